@@ -1,0 +1,1 @@
+"""Rooms from point clouds, with dimensions that can be believed."""

@@ -1,0 +1,136 @@
+"""Which parts of a shape's planes are surface: the tree of cubes evaluated on its own grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from indoorfit.model import Cube, Shape, side_axis, side_sign
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """The visible part of one plane, as cells of a grid spanned by the other two axes."""
+
+    plane: int
+    axis: int
+    u_m: Float[np.ndarray, " nu1"]
+    """Grid lines along the first of the two other axes (x before y before z), Manhattan frame."""
+    v_m: Float[np.ndarray, " nv1"]
+    mask: Bool[np.ndarray, "nu nv"]
+
+    def contains(
+        self, points_m: Float[np.ndarray, "points 3"], margin_m: float = 0.0
+    ) -> Bool[np.ndarray, " points"]:
+        """Whether points, projected onto the plane, lie on it at least `margin_m` from its edges.
+
+        Args:
+            points_m: Manhattan frame, metres.
+            margin_m: the mask shrinks by this much on every side; negative values let it grow.
+        """
+        first, second = (axis for axis in range(3) if axis != self.axis)
+        u_m, v_m = points_m[:, first], points_m[:, second]
+        if margin_m == 0.0:
+            return self._lookup(u_m, v_m)
+        # The grid is rectilinear, so testing the corners of a square of side 2 * margin suffices
+        # unless an arm is thinner than that; the centre then decides as well.
+        tests = [self._lookup(u_m + du, v_m + dv) for du in _ends(margin_m) for dv in _ends(margin_m)]
+        if margin_m < 0.0:
+            return np.logical_or.reduce([*tests, self._lookup(u_m, v_m)])
+        return np.logical_and.reduce([*tests, self._lookup(u_m, v_m)])
+
+    def _lookup(
+        self, u_m: Float[np.ndarray, " points"], v_m: Float[np.ndarray, " points"]
+    ) -> Bool[np.ndarray, " points"]:
+        i = np.searchsorted(self.u_m, u_m, side="right")
+        j = np.searchsorted(self.v_m, v_m, side="right")
+        return np.pad(self.mask, 1)[i, j]
+
+    @property
+    def area_m2(self) -> float:
+        """Visible area of the plane."""
+        return float(np.diff(self.u_m) @ self.mask @ np.diff(self.v_m))
+
+
+def _ends(margin_m: float) -> tuple[float, float]:
+    return (-abs(margin_m), abs(margin_m))
+
+
+def exposures(shape: Shape) -> tuple[Exposure, ...]:
+    """The visible part of every plane of a shape, in the order of `shape.planes`.
+
+    Raises:
+        nothing: a plane that has been swallowed by other cubes has an empty mask.
+    """
+    bounds_m = shape.bounds_m()
+    found: dict[int, Exposure] = {}
+    for room in shape.rooms:
+        tree = _tree(shape, room)
+        lines_m = [np.unique(np.concatenate([bounds_m[cube.id][:, axis] for cube in tree])) for axis in range(3)]
+        inside = _solid(shape, room, bounds_m, lines_m)
+        for cube in tree:
+            found.update(_cube_exposures(shape, cube, bounds_m, lines_m, inside))
+    return tuple(found[k] for k in range(len(shape.planes)))
+
+
+def room_of_planes(shape: Shape) -> dict[int, str]:
+    """The id of the room cube that each plane belongs to."""
+    return {
+        plane: room.id
+        for room in shape.rooms
+        for cube in _tree(shape, room)
+        for plane in cube.sides.values()
+        if plane is not None
+    }
+
+
+def _tree(shape: Shape, root: Cube) -> list[Cube]:
+    cubes = [root]
+    for child in shape.children(root.id):
+        cubes += _tree(shape, child)
+    return cubes
+
+
+def _cells(bounds_m: Float[np.ndarray, "2 3"], lines_m: list[Float[np.ndarray, " n"]]) -> tuple[slice, ...]:
+    """The grid cells that a box covers; its corners are grid lines by construction."""
+    index: list[Int[np.ndarray, " 2"]] = [np.searchsorted(lines_m[a], bounds_m[:, a]) for a in range(3)]
+    return tuple(slice(int(low), int(high)) for low, high in index)
+
+
+def _solid(
+    shape: Shape,
+    cube: Cube,
+    bounds_m: dict[str, Float[np.ndarray, "2 3"]],
+    lines_m: list[Float[np.ndarray, " n"]],
+) -> Bool[np.ndarray, "nx ny nz"]:
+    """Cube minus its children, from the leaves (thesis 3.2.5)."""
+    solid = np.zeros([len(line) - 1 for line in lines_m], bool)
+    solid[_cells(bounds_m[cube.id], lines_m)] = True
+    for child in shape.children(cube.id):
+        solid &= ~_solid(shape, child, bounds_m, lines_m)
+    return solid
+
+
+def _cube_exposures(
+    shape: Shape,
+    cube: Cube,
+    bounds_m: dict[str, Float[np.ndarray, "2 3"]],
+    lines_m: list[Float[np.ndarray, " n"]],
+    inside: Bool[np.ndarray, "nx ny nz"],
+) -> dict[int, Exposure]:
+    found: dict[int, Exposure] = {}
+    for side, index in cube.sides.items():
+        if index is None:
+            continue
+        axis = side_axis(side)
+        k = int(np.searchsorted(lines_m[axis], bounds_m[cube.id][int(side_sign(side) > 0), axis]))
+        padded = np.moveaxis(np.pad(inside, 1), axis, 0)
+        below, above = padded[k, 1:-1, 1:-1], padded[k + 1, 1:-1, 1:-1]
+        outward = shape.planes[index].outward
+        surface = (below & ~above) if outward > 0 else (above & ~below)
+        window = np.zeros_like(inside)
+        window[_cells(bounds_m[cube.id], lines_m)] = True
+        surface = surface & np.moveaxis(window, axis, 0).any(axis=0)
+        u_m, v_m = (lines_m[a] for a in range(3) if a != axis)
+        found[index] = Exposure(index, axis, u_m, v_m, surface)
+    return found

@@ -1,0 +1,30 @@
+"""Types that the stages hand to each other, and nothing else."""
+
+from .cloud import Scan as Scan
+from .cloud import SensorFrame as SensorFrame
+from .cloud import VoxelCloud as VoxelCloud
+from .grammar import OPEN_MARGIN_M as OPEN_MARGIN_M
+from .grammar import SIDES as SIDES
+from .grammar import Cube as Cube
+from .grammar import FaceClass as FaceClass
+from .grammar import Plane as Plane
+from .grammar import PlaneStatus as PlaneStatus
+from .grammar import Role as Role
+from .grammar import Shape as Shape
+from .grammar import Side as Side
+from .grammar import side_axis as side_axis
+from .grammar import side_sign as side_sign
+from .notes import Note as Note
+from .result import Dimension as Dimension
+from .result import DimensionKind as DimensionKind
+from .result import Face as Face
+from .result import FaceKind as FaceKind
+from .result import FitResult as FitResult
+from .result import Frame as Frame
+from .result import Interval as Interval
+from .result import Method as Method
+from .result import Quantity as Quantity
+from .result import Room as Room
+from .result import RoomMesh as RoomMesh
+from .segments import Segments as Segments
+from .segments import Surfels as Surfels

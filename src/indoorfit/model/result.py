@@ -1,0 +1,161 @@
+"""What a fit says, in the terms of the output contract ``indoorfit.model/1``."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from .grammar import FaceClass, PlaneStatus, Shape, Side
+from .notes import Note
+
+Method = Literal["joint", "greedy", "truth"]
+"""How the numbers came about; `truth` marks the exact model of a simulated scan."""
+
+FaceKind = Literal["wall", "floor", "ceiling"]
+DimensionKind = Literal["wall", "height", "overall"]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The pose of the Manhattan frame: ``p_manhattan = R_manhattan_scan @ (p_scan - origin_scan_m)``."""
+
+    R_manhattan_scan: Float[np.ndarray, "3 3"]
+    origin_scan_m: Float[np.ndarray, " 3"]
+
+    def to_scan(self, points_m: Float[np.ndarray, "... 3"]) -> Float[np.ndarray, "... 3"]:
+        """Points from the Manhattan frame to the scan frame, metres."""
+        return points_m @ self.R_manhattan_scan + self.origin_scan_m
+
+    def to_manhattan(self, points_m: Float[np.ndarray, "... 3"]) -> Float[np.ndarray, "... 3"]:
+        """Points from the scan frame to the Manhattan frame, metres."""
+        return (points_m - self.origin_scan_m) @ self.R_manhattan_scan.T
+
+    def directions_to_scan(self, vectors: Float[np.ndarray, "... 3"]) -> Float[np.ndarray, "... 3"]:
+        """Directions from the Manhattan frame to the scan frame."""
+        return vectors @ self.R_manhattan_scan
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A two-sided confidence interval."""
+
+    level: float
+    """Nominal coverage, 0 to 1."""
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A value with its standard uncertainty and interval, all in the same unit (m, m² or m³)."""
+
+    value: float
+    std: float
+    interval: Interval
+
+
+@dataclass(frozen=True)
+class Face:
+    """One flat polygon of the model."""
+
+    id: str
+    """``wall-1``, ``floor-1``, ``ceiling-1``, ... stable for the same scan and settings."""
+    kind: FaceKind
+    face_class: FaceClass
+    room: str
+    cube: str
+    """The cube whose side this face is."""
+    side: Side
+    """That side of the cube."""
+    plane: int
+    """Index of the face's plane in the shape."""
+    normal: Float[np.ndarray, " 3"]
+    """Scan frame, unit length, into the room."""
+    rings_m: tuple[Float[np.ndarray, "corners 3"], ...]
+    """Scan frame, metres, not closed. The first is the outer ring, counter-clockwise as seen from
+    inside the room; the others are holes, clockwise."""
+    offset_std_m: float
+    """Standard uncertainty of the plane along its normal."""
+    n_points: int
+    """Points that the fit assigned to the face."""
+    coverage: float
+    """Share of the face's area that points were seen on, 0 to 1."""
+    rms_m: float
+    """Root mean square distance of those points from the plane; 0 without points."""
+    status: PlaneStatus
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """The distance of two parallel faces, as a tape would read it."""
+
+    id: str
+    """``A``, ``B``, ... ``Z``, ``AA``, ..."""
+    kind: DimensionKind
+    room: str
+    faces: tuple[str, str]
+    """Ids of the two faces, the one at the lower Manhattan coordinate first."""
+    wall: str | None
+    """For kind ``wall`` the face whose clear length this is."""
+    from_m: Float[np.ndarray, " 3"]
+    """Scan frame, a point on the first face."""
+    to_m: Float[np.ndarray, " 3"]
+    """Scan frame, the opposite point on the second face."""
+    quantity: Quantity
+    status: PlaneStatus
+
+
+@dataclass(frozen=True)
+class Room:
+    """One room: a closed body of the solid."""
+
+    id: str
+    cube: str
+    floor_area: Quantity
+    volume: Quantity
+    perimeter: Quantity
+
+
+@dataclass(frozen=True)
+class RoomMesh:
+    """The watertight triangle mesh of one room, facing inward, scan frame."""
+
+    room: str
+    vertices_m: Float[np.ndarray, "vertices 3"]
+    triangles: np.ndarray
+    """(triangles, 3) vertex indices, counter-clockwise as seen from inside the room."""
+    face_ids: tuple[str, ...]
+    """For each triangle the id of its face."""
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """Everything that one run found. Immutable; `io.write_model_json` is its lossless form."""
+
+    method: Method
+    level: float
+    frame: Frame
+    shape: Shape
+    rooms: tuple[Room, ...]
+    faces: tuple[Face, ...]
+    dimensions: tuple[Dimension, ...]
+    meshes: tuple[RoomMesh, ...]
+    noise: Mapping[str, Any]
+    """The estimated noise model, plain values for JSON, with a sentence under ``explanation``."""
+    notes: tuple[Note, ...]
+    provenance: Mapping[str, Any]
+    converged: bool
+    """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
+
+    def face(self, face_id: str) -> Face:
+        """The face with this id; KeyError if there is none."""
+        for face in self.faces:
+            if face.id == face_id:
+                return face
+        raise KeyError(face_id)
+
+    def cube_bounds_m(self) -> dict[str, Float[np.ndarray, "2 3"]]:
+        """Low and high corner of every cube, Manhattan frame."""
+        return self.shape.bounds_m()
