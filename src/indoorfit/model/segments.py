@@ -36,6 +36,8 @@ class Segments:
     """Unit normal, pointing away from the cloud's centroid (thesis 4.2.2)."""
     distances_m: Float[np.ndarray, " segments"]
     """Perpendicular distance of the plane from the centroid, >= 0 (thesis 3.2.2)."""
+    centres_m: Float[np.ndarray, "segments 3"]
+    """Centroid of each segment."""
     areas_m2: Float[np.ndarray, " segments"]
     rms_m: Float[np.ndarray, " segments"]
     """Root mean square distance of the segment's surfels from its plane."""

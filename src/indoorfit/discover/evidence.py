@@ -1,0 +1,155 @@
+"""What the scan says of each cell of the plan and of each border between two cells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from .candidates import Lines
+from .surfaces import Surfaces
+
+_BAND_M = 0.5
+"""The band under the ceiling that separates walls from furniture: above doors (2.1 m of 2.6 m)."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Shares of area seen, between 0 and 1, on the grid of the candidate lines."""
+
+    ceiling: Float[np.ndarray, "nx ny"]
+    floor: Float[np.ndarray, "nx ny"]
+    top_m: Float[np.ndarray, "nx ny"]
+    """Height of the ceiling over each cell; the main level where none was seen."""
+    walls: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
+    """Wall seen on the borders of constant x and of constant y; the outermost borders included."""
+
+
+def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
+    """Measure coverage of cells and borders.
+
+    Args:
+        surfaces: sorted evidence, Manhattan frame.
+        lines: candidates along x and along y, at least two each.
+    """
+    grid = (lines[0].offsets_m, lines[1].offsets_m)
+    ceiling = _cell_coverage(surfaces.ceiling_m, grid, surfaces)
+    floor = _cell_coverage(surfaces.floor_m, grid, surfaces)
+    top_m = _tops(surfaces, grid)
+    walls = tuple(_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
+    return Evidence(ceiling, floor, top_m, walls)
+
+
+def _cell_coverage(
+    points_m: Float[np.ndarray, "points 3"],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    surfaces: Surfaces,
+) -> Float[np.ndarray, "nx ny"]:
+    """Share of each cell's pixels with a surfel.
+
+    A thin cell is cut into pixels that are longer than wide, of the same area as the others, so that a
+    recess of 10 cm is judged as fairly as a hall.
+    """
+    widths = [np.diff(line) for line in grid]
+    # Noise carries wall and ceiling points a little over the border: keep away from it.
+    margins = [np.minimum(2.0 * surfaces.noise_m, 0.2 * width) for width in widths]
+    free = [width - 2.0 * margin for width, margin in zip(widths, margins, strict=True)]
+    area_m2 = surfaces.pixel_m**2
+    n_x = np.maximum(1, np.minimum(free[0] / surfaces.pixel_m, 1e6).astype(int))[:, None]
+    n_x = np.broadcast_to(n_x, (len(free[0]), len(free[1])))
+    n_y = np.maximum(1, (free[0][:, None] * free[1][None] / area_m2 / n_x).astype(int))
+    wide = n_y == 1
+    n_x = np.where(wide, np.maximum(1, (free[0][:, None] * free[1][None] / area_m2).astype(int)), n_x)
+    start = np.concatenate([[0], np.cumsum((n_x * n_y).ravel())])
+    index = [np.searchsorted(grid[a], points_m[:, a]) - 1 for a in range(2)]
+    inside = np.all([(index[a] >= 0) & (index[a] < len(widths[a])) for a in range(2)], axis=0)
+    i, j = index[0][inside], index[1][inside]
+    u = (points_m[inside, 0] - grid[0][i] - margins[0][i]) / free[0][i]
+    v = (points_m[inside, 1] - grid[1][j] - margins[1][j]) / free[1][j]
+    clear = (u >= 0) & (u < 1) & (v >= 0) & (v < 1)
+    i, j, u, v = i[clear], j[clear], u[clear], v[clear]
+    pixel = (u * n_x[i, j]).astype(int) * n_y[i, j] + (v * n_y[i, j]).astype(int)
+    seen = np.zeros(start[-1], bool)
+    seen[start[i * n_x.shape[1] + j] + pixel] = True
+    return np.add.reduceat(seen, start[:-1]).reshape(n_x.shape) / (n_x * n_y)
+
+
+def _tops(
+    surfaces: Surfaces, grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]]
+) -> Float[np.ndarray, "nx ny"]:
+    """Height of the highest level surface over each cell (80th percentile: lamps and shelves are lower)."""
+    shape = (len(grid[0]) - 1, len(grid[1]) - 1)
+    top_m = np.full(shape, surfaces.ceiling_height_m)
+    i = np.searchsorted(grid[0], surfaces.ceiling_m[:, 0]) - 1
+    j = np.searchsorted(grid[1], surfaces.ceiling_m[:, 1]) - 1
+    inside = (i >= 0) & (i < shape[0]) & (j >= 0) & (j < shape[1])
+    cell = (i * shape[1] + j)[inside]
+    heights_m = surfaces.ceiling_m[inside, 2]
+    order = np.lexsort((heights_m, cell))
+    cells, first, count = np.unique(cell[order], return_index=True, return_counts=True)
+    top_m.ravel()[cells] = heights_m[order][first + (0.8 * (count - 1)).astype(int)]
+    return top_m
+
+
+def _border_coverage(
+    surfaces: Surfaces,
+    lines: tuple[Lines, Lines],
+    axis: int,
+    ceiling: Float[np.ndarray, "nx ny"],
+    top_m: Float[np.ndarray, "nx ny"],
+) -> np.ndarray:
+    """Share of each border that shows wall up to the local ceiling; borders of constant `axis`."""
+    across, along = lines[axis], lines[1 - axis]
+    wall_m = surfaces.walls_m[axis]
+    segment_line = np.full(int(surfaces.wall_segments[axis].max(initial=-1)) + 1, -1)
+    segment_line[list(across.segment_line)] = list(across.segment_line.values())
+    on_line = segment_line[surfaces.wall_segments[axis]]
+    cell = np.searchsorted(along.offsets_m, wall_m[:, 1 - axis]) - 1
+    n_lines, n_along = len(across.offsets_m), len(along.offsets_m) - 1
+    valid = (on_line >= 0) & (cell >= 0) & (cell < n_along)
+    on_line, cell, wall_m = on_line[valid], cell[valid], wall_m[valid]
+    tops_m = _border_tops(np.moveaxis(ceiling, axis, 0), np.moveaxis(top_m, axis, 0))
+    coverage = np.zeros((n_lines, n_along))
+    border = on_line * n_along + cell
+    order = np.argsort(border, kind="stable")
+    starts = np.searchsorted(border[order], np.arange(n_lines * n_along + 1))
+    for k in np.flatnonzero(np.diff(starts)):
+        members = wall_m[order[starts[k] : starts[k + 1]]]
+        line, c = divmod(int(k), n_along)
+        ends_m = (along.offsets_m[c], along.offsets_m[c + 1])
+        coverage[line, c] = _wall_share(members[:, [1 - axis, 2]], ends_m, tops_m[line, c], surfaces)
+    return np.moveaxis(coverage, 0, axis)
+
+
+def _border_tops(
+    ceiling: Float[np.ndarray, "n m"], top_m: Float[np.ndarray, "n m"]
+) -> Float[np.ndarray, "n1 m"]:
+    """Ceiling height at each border: the lower one of two seen ceilings, else the one that was seen.
+
+    Above the lower ceiling a face is the riser of a ceiling step, not a wall between the two cells.
+    """
+    seen = np.where(ceiling > 0.3, top_m, np.inf)
+    padded = np.pad(seen, ((1, 1), (0, 0)), constant_values=np.inf)
+    lower = np.minimum(padded[:-1], padded[1:])
+    return np.where(np.isfinite(lower), lower, np.max(top_m))
+
+
+def _wall_share(
+    points_m: Float[np.ndarray, "points 2"], ends_m: tuple[float, float], top_m: float, surfaces: Surfaces
+) -> float:
+    """Share of the border's length with wall, the band under the ceiling counting more than the rest."""
+    length_m = ends_m[1] - ends_m[0]
+    # Thin borders get tall pixels of the same area, as thin cells do.
+    n_columns = max(1, int(length_m / surfaces.pixel_m))
+    step_m = surfaces.pixel_m**2 / (length_m / n_columns)
+    column = np.clip(((points_m[:, 0] - ends_m[0]) / length_m * n_columns).astype(int), 0, n_columns - 1)
+    share = 0.0
+    for low_m, high_m, weight in (
+        (top_m - _BAND_M, top_m, 0.6),
+        (surfaces.floor_height_m, top_m - _BAND_M, 0.4),
+    ):
+        n_rows = max(1, int((high_m - low_m) / step_m))
+        inside = (points_m[:, 1] > low_m) & (points_m[:, 1] < high_m)
+        row = ((points_m[inside, 1] - low_m) / (high_m - low_m) * n_rows).astype(int)
+        seen: Int[np.ndarray, " pixels"] = np.unique(column[inside] * n_rows + row)
+        share += weight * len(seen) / (n_columns * n_rows)
+    return share

@@ -1,0 +1,139 @@
+"""From labelled cells to the cube grammar, with every plane put where its surfels are."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy import ndimage
+
+from indoorfit.errors import InputError
+from indoorfit.geometry import Exposure, exposures, shape_from_plan
+from indoorfit.model import Note, Plane, Shape
+
+from .evidence import Evidence
+from .surfaces import Surfaces
+
+
+@dataclass(frozen=True)
+class RoomConfig:
+    """What counts as a room and as an observed face."""
+
+    min_area_m2: float = 1.0
+    """Smaller pieces of floor plan are window niches and glimpses, not rooms."""
+    partition_share: float = 0.6
+    """Two inside cells are apart where their border shows at least this share of wall: more than a
+    wardrobe against a wall adds, less than a partition with a door leaves."""
+    step_m: float = 0.08
+    """Levels of ceiling or floor that differ by more are reported as a step; as for walls."""
+
+
+def split_rooms(
+    inside: Bool[np.ndarray, "nx ny"],
+    evidence: Evidence,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    config: RoomConfig,
+) -> list[Bool[np.ndarray, "nx ny"]]:
+    """Edge-connected pieces of the inside, cut where wall was seen; largest first.
+
+    Raises:
+        InputError: nothing of the size of a room.
+    """
+    # Cells at even, borders at odd positions of a doubled grid, so that a wall can cut between cells.
+    doubled = np.zeros([2 * n - 1 for n in inside.shape], bool)
+    doubled[::2, ::2] = inside
+    doubled[1::2, ::2] = inside[1:] & inside[:-1] & (evidence.walls[0][1:-1] < config.partition_share)
+    doubled[::2, 1::2] = inside[:, 1:] & inside[:, :-1] & (evidence.walls[1][:, 1:-1] < config.partition_share)
+    labels, n = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
+    areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
+    masks = [labels[::2, ::2] == k for k in range(1, n + 1)]
+    rooms = [mask for mask in masks if areas[mask].sum() >= config.min_area_m2]
+    if not rooms:
+        raise InputError(
+            "discover: no closed piece of floor plan of at least "
+            f"{config.min_area_m2:.1f} m² has ceiling or floor over it and walls around it. "
+            "Fix: check --unit and --up, and that ceiling and walls were scanned."
+        )
+    return sorted(rooms, key=lambda mask: -areas[mask].sum())
+
+
+def build_shape(
+    rooms: list[Bool[np.ndarray, "nx ny"]],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    surfaces: Surfaces,
+    config: RoomConfig,
+) -> tuple[Shape, tuple[Note, ...]]:
+    """The grammar of all rooms, and remarks on what it leaves out."""
+    z_ranges_m, notes = [], []
+    for mask in rooms:
+        levels_m, remarks = _levels(mask, grid, surfaces, config)
+        z_ranges_m.append(levels_m)
+        notes += remarks
+    shape = shape_from_plan(list(grid[0]), list(grid[1]), rooms, z_ranges_m)
+    planes = [
+        _place(plane, exposure, surfaces)
+        for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
+    ]
+    return replace(shape, planes=tuple(planes)), tuple(notes)
+
+
+def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
+    """Move a plane to the median of the surfels on it; without any it is inferred and stays."""
+    if plane.axis == 2:
+        level_m = surfaces.floor_m if plane.outward < 0 else surfaces.ceiling_m
+        reach_m = 0.10
+    else:
+        level_m, reach_m = surfaces.walls_m[plane.axis], 0.10
+    near = np.abs(level_m[:, plane.axis] - plane.offset_m) < reach_m
+    near[near] = exposure.contains(level_m[near])
+    share = near.sum() * (surfaces.pixel_m / 2.0) ** 2 / max(exposure.area_m2, 1e-9)
+    if near.sum() < 3 or share < 0.02:
+        return replace(plane, status="inferred")
+    return replace(plane, offset_m=float(np.median(level_m[near, plane.axis])))
+
+
+def _levels(
+    mask: Bool[np.ndarray, "nx ny"],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    surfaces: Surfaces,
+    config: RoomConfig,
+) -> tuple[tuple[float, float], list[Note]]:
+    """Floor and ceiling height of one room, and a note for every further level of note."""
+    notes: list[Note] = []
+    chosen = []
+    for name, points_m, fallback_m in (
+        ("floor", surfaces.floor_m, surfaces.floor_height_m),
+        ("ceiling", surfaces.ceiling_m, surfaces.ceiling_height_m),
+    ):
+        i = np.searchsorted(grid[0], points_m[:, 0]) - 1
+        j = np.searchsorted(grid[1], points_m[:, 1]) - 1
+        over = np.pad(mask, ((0, 1), (0, 1)))[np.clip(i, -1, mask.shape[0]), np.clip(j, -1, mask.shape[1])]
+        levels = _level_areas(points_m[over, 2], config.step_m, (surfaces.pixel_m / 2.0) ** 2)
+        main_m = levels[0][0] if levels else fallback_m
+        chosen.append(main_m)
+        for level_m, area_m2 in levels[1:]:
+            # A tenth of the main level is more than shelves and lamps make up.
+            if area_m2 >= max(0.1 * levels[0][1], config.min_area_m2):
+                notes.append(
+                    Note(
+                        f"{name.upper()}_STEP",
+                        f"{area_m2:.1f} m² of the {name} lie {abs(level_m - main_m):.2f} m "
+                        f"{'above' if level_m > main_m else 'below'} its main level. The model has one "
+                        f"{name} a room, at the main level: the volume is off by the step.",
+                    )
+                )
+    return (chosen[0], chosen[1]), notes
+
+
+def _level_areas(heights_m: Float[np.ndarray, " n"], step_m: float, area_m2: float) -> list[tuple[float, float]]:
+    """Levels as (height, area), largest first; each level takes what lies within one step of its peak."""
+    levels: list[tuple[float, float]] = []
+    left = np.sort(heights_m)
+    while len(left):
+        counts = np.searchsorted(left, left + step_m, side="right") - np.arange(len(left))
+        k = int(np.argmax(counts))
+        member = np.zeros(len(left), bool)
+        member[k : k + counts[k]] = True
+        level_m = float(np.median(left[member]))
+        levels.append((level_m, area_m2 * float(counts[k])))
+        left = left[np.abs(left - level_m) > step_m]
+    return sorted(levels, key=lambda level: -level[1])

@@ -1,0 +1,84 @@
+"""The classified surfels as discovery looks at them: walls by axis, floor and ceiling from above."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from indoorfit.errors import InputError
+from indoorfit.model import FaceClass, Segments, Surfels
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """Evidence in the Manhattan frame, with the sizes that its resolution allows."""
+
+    walls_m: tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "m 3"]]
+    """Surfels of walls perpendicular to x, and to y."""
+    wall_segments: tuple[Int[np.ndarray, " n"], Int[np.ndarray, " m"]]
+    """The segment of each of them."""
+    ceiling_m: Float[np.ndarray, "c 3"]
+    floor_m: Float[np.ndarray, "f 3"]
+    floor_height_m: float
+    """The level with most floor."""
+    ceiling_height_m: float
+    """The level with most ceiling; the top of the walls where no ceiling was seen."""
+    pixel_m: float
+    """Side of a square on which a fully scanned surface shows four surfels on average."""
+    noise_m: float
+    """Median distance of surfels from their segments' planes."""
+
+
+_MIN_CEILING_M2 = 0.5
+"""Less than this is a lamp or a shelf, and the scan is taken as one without a ceiling."""
+_FLOOR_GAP_M = 0.4
+"""The lowest level surface must lie this near the foot of the walls, or it is a table and no floor."""
+
+
+def find_surfaces(
+    surfels: Surfels, segments: Segments, classes: tuple[FaceClass | None, ...]
+) -> Surfaces:
+    """Sort the surfels of classified segments.
+
+    Raises:
+        InputError: no walls, or no floor.
+    """
+    kind = np.array([_KINDS[name] for name in classes] + [-1])[segments.labels]
+    walls = tuple(surfels.positions_m[kind == axis] for axis in (0, 1))
+    floor_m, ceiling_m = surfels.positions_m[kind == 2], surfels.positions_m[kind == 3]
+    heights_m = np.concatenate([wall[:, 2] for wall in walls])
+    if len(heights_m) == 0:
+        raise InputError(
+            "discover: no upright surfaces; a room needs walls. Fix: check --up, or scan the walls as well."
+        )
+    foot_m, top_m = np.percentile(heights_m, [1, 99])
+    floor_height_m = _main_level(floor_m[:, 2]) if len(floor_m) else np.inf
+    if floor_height_m > foot_m + _FLOOR_GAP_M:
+        raise InputError(
+            "discover: no floor at the foot of the walls"
+            + (f" (the lowest level surface is {floor_height_m - foot_m:.2f} m above it)" if len(floor_m) else "")
+            + "; heights and volumes would be made up. Fix: scan the floor as well, or check --up."
+        )
+    seen = len(ceiling_m) * surfels.area_m2 >= _MIN_CEILING_M2
+    ceiling_height_m = _main_level(ceiling_m[:, 2]) if seen else float(top_m)
+    return Surfaces(
+        walls_m=walls,
+        wall_segments=tuple(segments.labels[kind == axis] for axis in (0, 1)),
+        ceiling_m=ceiling_m if seen else ceiling_m[:0],
+        floor_m=floor_m,
+        floor_height_m=floor_height_m,
+        ceiling_height_m=ceiling_height_m,
+        pixel_m=2.0 * np.sqrt(surfels.area_m2),
+        noise_m=float(np.median(segments.rms_m)),
+    )
+
+
+_KINDS = {None: -1, "left": 0, "right": 0, "back": 1, "front": 1, "floor": 2, "ceiling": 3}
+
+
+def _main_level(heights_m: Float[np.ndarray, " n"]) -> float:
+    """The most frequent height, to the median within 5 cm of the histogram's peak."""
+    edges = np.arange(heights_m.min() - 0.05, heights_m.max() + 0.10, 0.05)
+    counts = np.histogram(heights_m, edges)[0]
+    peak_m = edges[int(np.argmax(counts))] + 0.025
+    return float(np.median(heights_m[np.abs(heights_m - peak_m) <= 0.05]))

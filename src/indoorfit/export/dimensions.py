@@ -1,0 +1,51 @@
+"""The dimension table for spreadsheets."""
+
+import csv
+import io
+import math
+from pathlib import Path
+
+from indoorfit.model import FitResult
+
+from .files import replace_file
+
+_COLUMNS = (
+    "id", "kind", "room", "wall", "face_from", "face_to", "value_m", "std_m", "level", "low_m", "high_m",
+    "status", "from_x_m", "from_y_m", "from_z_m", "to_x_m", "to_y_m", "to_z_m",
+)  # fmt: skip
+
+
+def write_dimensions_csv(path: Path, result: FitResult) -> None:
+    """Write every dimension as one row: UTF-8, RFC 4180, metres, points in the scan frame.
+
+    Numbers are rounded to a nanometre, which is below every uncertainty and keeps the last bits of
+    the arithmetic out of the file. A number that is not known is left empty.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    text = io.StringIO(newline="")
+    rows = csv.writer(text, lineterminator="\r\n")
+    rows.writerow(_COLUMNS)
+    for d in result.dimensions:
+        interval = d.quantity.interval
+        numbers = (d.quantity.value, d.quantity.std)
+        names = (d.id, d.kind, d.room, d.wall or "", *d.faces)
+        points = (*d.from_m.tolist(), *d.to_m.tolist())
+        rows.writerow(
+            [
+                *names,
+                *map(_number, numbers),
+                f"{interval.level:g}",
+                _number(interval.low),
+                _number(interval.high),
+                d.status,
+                *map(_number, points),
+            ]
+        )
+    replace_file(path, text.getvalue().encode())
+
+
+def _number(value: float) -> str:
+    # Adding zero turns -0.0 into 0.0, which would otherwise depend on the order of a sum.
+    return repr(round(value, 9) + 0.0) if math.isfinite(value) else ""

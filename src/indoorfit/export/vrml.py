@@ -1,0 +1,113 @@
+"""VRML97 (ISO/IEC 14772-1)."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from indoorfit.model import FitResult
+
+from .files import replace_file
+from .numbers import quantity_text
+from .palette import face_colour, material_name
+from .parts import FacePart, face_parts
+
+_FORBIDDEN = re.compile(r"[\x00-\x20\"#',.\[\\\]{}\x7f]")
+"""What a VRML97 name may not hold (4.4.2 and the grammar in annex A)."""
+
+
+def write_vrml(path: Path, result: FitResult) -> None:
+    """Write the rooms as VRML97: one named Shape per face, looking inward, metres, scan frame.
+
+    Viewers compute in float32, so the coordinates are relative to the frame's origin and one
+    Transform carries the offset with all its digits.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    lines = ["#VRML V2.0 utf8", *_world_info(result), 'NavigationInfo { type [ "EXAMINE", "ANY" ] }']
+    lines += ["DEF scan_frame Transform {", f"  translation {_numbers(result.frame.origin_scan_m)}"]
+    lines += ["  children [", _viewpoint(result)]
+    defined: set[str] = set()
+    for mesh in result.meshes:
+        lines += [f"    DEF {_name(mesh.room)} Group {{ children ["]
+        for part in face_parts(result, mesh):
+            lines += _shape(result, part, defined)
+        lines += ["    ] }"]
+    lines += ["  ]", "}"]
+    replace_file(path, ("\n".join(lines) + "\n").encode())
+
+
+def _world_info(result: FitResult) -> Iterator[str]:
+    yield "WorldInfo {"
+    yield f"  title {_string(f'indoorfit model, {len(result.rooms)} room(s), metres, scan frame')}"
+    yield "  info ["
+    for d in result.dimensions:
+        text = quantity_text(d.quantity)
+        ends = f"{d.wall or d.kind}, {d.faces[0]} to {d.faces[1]}"
+            span = f"{text.low} to {text.high} at {100 * d.quantity.interval.level:g} %"
+        line = f"{d.id}: {ends}: {text.value} m, {span}, {d.status}"
+        yield f"    {_string(line)}"
+    yield "  ]"
+    yield "}"
+
+
+def _viewpoint(result: FitResult) -> str:
+    """A look into the doll's house from above; viewers would start beside map coordinates otherwise."""
+    corners = result.frame.to_manhattan(np.concatenate([mesh.vertices_m for mesh in result.meshes]))
+    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+    size_m = float(np.linalg.norm(corners.max(axis=0) - corners.min(axis=0)))
+    backward = np.array([-0.45, -0.65, 0.9]) / np.linalg.norm([-0.45, -0.65, 0.9])
+    right = np.cross([0.0, 0.0, 1.0], backward)
+    right /= np.linalg.norm(right)
+    R_manhattan_camera = np.column_stack([right, np.cross(backward, right), backward])
+    # The default field of view is 45 degrees; 1.4 diagonals away the whole model is in it.
+    position = result.frame.directions_to_scan(middle + 1.4 * size_m * backward)
+    turn = Rotation.from_matrix(result.frame.R_manhattan_scan.T @ R_manhattan_camera).as_rotvec()
+    angle = float(np.linalg.norm(turn))
+    axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
+    pose = f"position {_rounded(position)} orientation {_rounded(np.append(axis, angle))}"
+    return f'    Viewpoint {{ description "From above" {pose} }}'
+
+
+def _shape(result: FitResult, part: FacePart, defined: set[str]) -> Iterator[str]:
+    name = material_name(part.face)
+    if name in defined:
+        material = f"USE colour_{name}"
+    else:
+        defined.add(name)
+        colour = " ".join(f"{channel / 255.0:.6f}" for channel in face_colour(part.face))
+        material = f"DEF colour_{name} Material {{ diffuseColor {colour} ambientIntensity 0.5 }}"
+    points = part.vertices_m - result.frame.origin_scan_m
+    yield f"      DEF {_name(part.face.id)} Shape {{"
+    yield f"        appearance Appearance {{ material {material} }}"
+    yield "        geometry IndexedFaceSet {"
+    yield "          ccw TRUE solid TRUE convex TRUE"
+    yield "          coord Coordinate { point ["
+    yield from (f"            {_numbers(point)}," for point in points)
+    yield "          ] }"
+    yield "          coordIndex ["
+    yield from (f"            {a}, {b}, {c}, -1," for a, b, c in part.triangles.tolist())
+    yield "          ]"
+    yield "        }"
+    yield "      }"
+
+
+def _numbers(vector: np.ndarray) -> str:
+    return " ".join(repr(value + 0.0) for value in vector.tolist())
+
+
+def _rounded(vector: np.ndarray) -> str:
+    return " ".join(f"{value + 0.0:.6f}" for value in vector.tolist())
+
+
+def _string(text: str) -> str:
+    escaped = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _name(text: str) -> str:
+    safe = _FORBIDDEN.sub("_", text)
+    return safe if safe and safe[0] not in "0123456789+-" else f"_{safe}"

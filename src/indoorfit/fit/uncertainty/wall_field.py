@@ -1,0 +1,192 @@
+"""Intervals without frame ids: a Gaussian-process field on every wall.
+
+The mean of the error field over a face is exactly confounded with the face's offset, so its size must be
+extrapolated from how the field varies within the face. Estimate: Student-t fit. Covariance: the sandwich
+``L V L^T`` with V from the field. Hyper-parameters are marginalised, not plugged in.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from .cells import Cells, Contrasts
+from .field import LOG_ETA, LOG_LENGTH, LOG_TAU, Field, FieldFit, block_covariance, build_field, evaluate, log_likelihoods
+from .laplace import HyperDraws, HyperMode, draw_student_t, find_mode, laplace_mode, truncated_weights
+from .location import MAD_TO_STD, student_t_precisions, weighted_map
+from .predictive import Predictive
+from .wall_noise import describe_wall_noise
+
+
+@dataclass(frozen=True)
+class WallFieldConfig:
+    """Priors and settings of the wall field."""
+
+    tau_median_m: float = 5e-3
+    """Prior median of the field's standard deviation: between laser (1 mm) and hand-held drift (2 cm)."""
+    tau_log_std: float = 1.5
+    """A factor of 4.5 either way at one sigma: wide, so that clean scans can take tau to a tenth of a mm."""
+    eta_median_m: float = 3e-3
+    """Prior median of the independent part per cell: plaster, edges, remains of furniture."""
+    eta_log_std: float = 1.5
+    """As wide as for tau."""
+    length_median_m: float = 1.0
+    """Prior median of the correlation length: a field of view covers one to three metres of a wall."""
+    length_log_std: float = 0.4
+    """Informative on purpose: range and variance of a field are not separately identified within one wall."""
+    length_max_m: float = 3.0
+    """Hard bound: beyond the size of a wall the field runs away into widths of metres."""
+    tau_max_m: float = 0.37
+    """Hard bound: a wall that wanders by more is no wall."""
+    screen_sigmas: float = 3.0
+    """Cells whose left-out residual exceeds this many robust sigmas count as contaminated."""
+    screen_sweeps: int = 3
+    """Fit and screen in turn; the set stands still after two or three."""
+    student_dof: float = 4.0
+    """Tail of the estimate's weights: full weight to the bulk, 1/r beyond some sigmas."""
+    draws: int = 24
+    """Components of the mixture; more change interval ends by less than 2 %."""
+    draw_dof: float = 6.0
+    """Tail of the draws, heavier than the posterior's so that importance weights stay bounded."""
+
+
+_FLOOR_LOG_M = float(np.log(1e-6))
+"""1 um: below it tau and eta make no difference to any cell."""
+
+
+@dataclass(frozen=True)
+class WallFieldFit:
+    """A field with its screened cells and the mode of its hyper-parameters."""
+
+    field: Field
+    inflation_m2: Float[np.ndarray, " cells"]
+    mode: HyperMode
+
+
+def prior_moments(config: WallFieldConfig) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
+    """Mean and standard deviation of phi = log(tau, l, eta) before truncation."""
+    means = np.log([config.tau_median_m, config.length_median_m, config.eta_median_m])
+    return means, np.array([config.tau_log_std, config.length_log_std, config.eta_log_std])
+
+
+def hyper_bounds(config: WallFieldConfig) -> Float[np.ndarray, "3 2"]:
+    """Where phi may be."""
+    bounds = np.empty((3, 2))
+    bounds[LOG_TAU] = _FLOOR_LOG_M, np.log(config.tau_max_m)
+    bounds[LOG_LENGTH] = np.log(0.02), np.log(config.length_max_m)
+    bounds[LOG_ETA] = _FLOOR_LOG_M, np.log(config.tau_max_m)
+    return bounds
+
+
+def log_posteriors(
+    fit: WallFieldFit, config: WallFieldConfig, phis: Float[np.ndarray, "draws 3"]
+) -> Float[np.ndarray, " draws"]:
+    """Collapsed log posterior of phi, theta integrated; -inf outside the bounds. Vectorised over draws."""
+    means, stds = prior_moments(config)
+    bounds = hyper_bounds(config)
+    inside = np.all((phis >= bounds[:, 0]) & (phis <= bounds[:, 1]), axis=1)
+    values = np.full(len(phis), -np.inf)
+    if inside.any():
+        likelihood, _, _ = log_likelihoods(fit.field, phis[inside], fit.inflation_m2)
+        values[inside] = likelihood - 0.5 * np.sum(((phis[inside] - means) / stds) ** 2, axis=1)
+    return values
+
+
+def fit_wall_field(cells: Cells, config: WallFieldConfig) -> WallFieldFit:
+    """Mode of the hyper-parameters, with contaminated cells found on the way."""
+    field = build_field(cells)
+    means, stds = prior_moments(config)
+    bounds = hyper_bounds(config)
+    inflation = np.zeros(len(cells.plane))
+
+    def objective(phi: Float[np.ndarray, " 3"]) -> tuple[float, Float[np.ndarray, " 3"]]:
+        fit = evaluate(field, phi, inflation)
+        pull = (phi - means) / stds
+        return fit.log_likelihood - 0.5 * float(pull @ pull), fit.gradient - pull / stds
+
+    spread = max(MAD_TO_STD * float(np.median(np.abs(cells.residuals_m))), 1e-5)
+    start = np.array([np.log(spread), means[LOG_LENGTH], np.log(0.5 * spread)])
+    point, converged = find_mode(objective, start, bounds)
+    for _ in range(config.screen_sweeps):
+        screened = _screen(evaluate(field, point, inflation), inflation, config.screen_sigmas)
+        same = bool(np.array_equal(screened > 0, inflation > 0))
+        inflation = screened
+        if same:
+            break
+        point, converged = find_mode(objective, point, bounds)
+    return WallFieldFit(field, inflation, laplace_mode(objective, point, stds, converged))
+
+
+def _screen(
+    fit: FieldFit, inflation_m2: Float[np.ndarray, " cells"], sigmas: float
+) -> Float[np.ndarray, " cells"]:
+    """Mean-shift inflation: the squared left-out residual of every cell that the others contradict."""
+    # The left-out variance contains the inflation already given; the test must not.
+    clean = np.maximum(fit.left_out_variance_m2 - inflation_m2, 1e-18)
+    score = np.abs(fit.left_out_m) / np.sqrt(clean)
+    limit = sigmas * MAD_TO_STD * float(np.median(score))
+    return np.where(score > limit, fit.left_out_m**2, 0.0)
+
+
+def sandwich_predictive(
+    cells: Cells, contrasts: Contrasts, fit: WallFieldFit, hyper: HyperDraws, config: WallFieldConfig
+) -> Predictive:
+    """Student-t estimate with covariance ``L V(phi) L^T`` for every draw of phi."""
+    linear = weighted_map(cells, student_t_precisions(cells, config.student_dof))
+    covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
+    for block in fit.field.blocks:
+        part = linear[:, block.rows]
+        for covariance, phi in zip(covariances, hyper.points, strict=True):
+            covariance += part @ block_covariance(block, phi, fit.inflation_m2) @ part.T
+    theta = contrasts.estimate + linear @ cells.residuals_m
+    return Predictive(
+        weights=hyper.weights,
+        means=np.tile(theta, (len(hyper.points), 1)),
+        covariances=covariances,
+        seen=cells.seen,
+        contrasts=contrasts.matrix,
+        noise=describe_wall_noise(hyper, prior_moments(config)[1], fit.inflation_m2, fit.mode.converged),
+    )
+
+
+def gls_predictive(
+    cells: Cells, contrasts: Contrasts, fit: WallFieldFit, hyper: HyperDraws, config: WallFieldConfig
+) -> Predictive:
+    """Generalised least squares for every draw of phi: theta and covariance of the field model itself.
+
+    Sharper than the sandwich where the field is right, worse where cells are contaminated; used to check
+    samplers, since this is the posterior that they sample.
+    """
+    _, steps, step_covariances = log_likelihoods(fit.field, hyper.points, fit.inflation_m2)
+    means = np.tile(contrasts.estimate, (len(hyper.points), 1))
+    means[:, cells.seen] += steps
+    covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
+    where = np.flatnonzero(cells.seen)
+    covariances[:, where[:, None], where] = step_covariances
+    noise = describe_wall_noise(hyper, prior_moments(config)[1], fit.inflation_m2, fit.mode.converged)
+    return Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
+
+
+def laplace_draws(fit: WallFieldFit, config: WallFieldConfig, rng: np.random.Generator) -> HyperDraws:
+    """Weighted draws of phi from a Student-t around the mode."""
+    points, log_density = draw_student_t(fit.mode, config.draws, config.draw_dof, rng)
+    log_target = log_posteriors(fit, config, points)
+    return HyperDraws(points, truncated_weights(log_target - log_density))
+
+
+def wall_field_predictive(
+    cells: Cells, contrasts: Contrasts, config: WallFieldConfig, rng: np.random.Generator
+) -> Predictive:
+    """Distribution of all dimensions from cells without frame ids.
+
+    Args:
+        cells: one per plane and patch of about 0.7 m; frame ids are ignored.
+        contrasts: the dimensions and the linearisation point.
+        config: priors.
+        rng: for the draws of the noise model only; two seeds differ by about 2 % in the interval ends.
+
+    Returns:
+        the mixture; `noise` describes tau, l, eta, the share of screened cells and the role of the prior.
+    """
+    fit = fit_wall_field(cells if cells.frames is None else replace(cells, frames=None), config)
+    return sandwich_predictive(cells, contrasts, fit, laplace_draws(fit, config, rng), config)

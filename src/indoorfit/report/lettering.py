@@ -1,0 +1,48 @@
+"""The font that pillow carries, and what it lacks."""
+
+import unicodedata
+from functools import lru_cache
+
+from PIL import ImageFont
+
+_SUPERSCRIPTS = {"²": "2", "³": "3"}
+SUPERSCRIPT_SIZE = 0.62
+SUPERSCRIPT_RISE = 0.34
+_REPLACEMENTS = str.maketrans({"–": "-", "—": "-", "−": "-", "×": "x", "→": ">", "≤": "<"})
+_PRESENT = frozenset("±°·…")
+
+
+@lru_cache(maxsize=64)
+def font(pixels: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    """Pillow's own font at a size in pixels: no font file of the machine changes the picture."""
+    return ImageFont.load_default(size=pixels)
+
+
+def runs(text: str) -> tuple[tuple[str, bool], ...]:
+    """Split a text into pieces that the font has, each marked as superscript or not."""
+    pieces: list[tuple[str, bool]] = []
+    for character in text.translate(_REPLACEMENTS):
+        raised = character in _SUPERSCRIPTS
+        drawn = _SUPERSCRIPTS.get(character) or _drawable(character)
+        if pieces and pieces[-1][1] == raised:
+            pieces[-1] = (pieces[-1][0] + drawn, raised)
+        else:
+            pieces.append((drawn, raised))
+    return tuple(pieces)
+
+
+@lru_cache(maxsize=4096)
+def text_width(text: str, size: float) -> float:
+    """Width of a line of text, in the unit of `size`."""
+    # Measured at 100 pixels, where hinting rounds no letter noticeably.
+    return sum(
+        float(font(100.0).getlength(piece)) / 100.0 * size * (SUPERSCRIPT_SIZE if raised else 1.0)
+        for piece, raised in runs(text)
+    )
+
+
+def _drawable(character: str) -> str:
+    if " " <= character <= "~" or character in _PRESENT:
+        return character
+    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return plain if plain.isprintable() and plain else "?"

@@ -1,0 +1,131 @@
+"""The model seen from above, in page units: x to the right, y of the Manhattan frame upward."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from indoorfit.model import Face, FitResult
+
+from .display import Box
+
+BAND = 7.0
+"""Thickness of the drawn wall, outside the face that was measured. The true one is not known."""
+
+_AREA = (760.0, 560.0)
+_LARGEST = 1.7
+
+
+@dataclass(frozen=True)
+class WallLine:
+    """A wall face as a line on the page."""
+
+    id: str
+    room: str
+    axis: int
+    """0 for a wall that stands across x (drawn upright), 1 for one across y."""
+    at: float
+    """Page coordinate on that axis."""
+    low: float
+    high: float
+    """Extent along the wall."""
+    outward: int
+    """+1 or -1: the page direction that leaves the room."""
+    inferred: bool
+
+    def box(self) -> Box:
+        """Bounds of the drawn wall."""
+        inner, outer = sorted((self.at - self.outward, self.at + self.outward * BAND))
+        if self.axis == 0:
+            return inner, self.low, outer, self.high
+        return self.low, inner, self.high, outer
+
+    def points(self) -> Float[np.ndarray, "2 2"]:
+        """Its two ends."""
+        ends = np.array([[self.at, self.low], [self.at, self.high]])
+        return ends if self.axis == 0 else ends[:, ::-1]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """All rooms on the page."""
+
+    scale: float
+    """Page units per metre."""
+    walls: tuple[WallLine, ...]
+    floors: dict[str, tuple[tuple[Float[np.ndarray, "corners 2"], ...], ...]]
+    """By room, the floor polygons with their holes."""
+    z_range_m: tuple[float, float]
+    """Lowest floor and highest ceiling, Manhattan frame."""
+
+    def to_page(self, points_m: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 2"]:
+        """From the Manhattan frame to the page."""
+        return points_m[:, :2] * np.array([self.scale, -self.scale])
+
+    def wall(self, face_id: str) -> WallLine | None:
+        """The wall of that face, None for floors and ceilings."""
+        return next((wall for wall in self.walls if wall.id == face_id), None)
+
+    def room_box(self, room: str | None = None) -> Box:
+        """Bounds of a room's walls, or of all rooms'."""
+        ends = np.concatenate([wall.points() for wall in self.walls if room in (None, wall.room)])
+        (x0, y0), (x1, y1) = ends.min(axis=0), ends.max(axis=0)
+        return float(x0), float(y0), float(x1), float(y1)
+
+    def room_at(self, x: float, y: float) -> str | None:
+        """The room that holds a point of the page."""
+        for room, polygons in self.floors.items():
+            if any(_inside(rings, x, y) for rings in polygons):
+                return room
+        return None
+
+
+def outline_of(result: FitResult) -> Outline:
+    """Lay the model's faces on the page, as large as is good to read."""
+    corners = {
+        face.id: tuple(result.frame.to_manhattan(ring) for ring in face.rings_m) for face in result.faces
+    }
+    everything = np.concatenate([ring for rings in corners.values() for ring in rings])
+    extent_m = np.maximum(everything.max(axis=0) - everything.min(axis=0), 1e-3)
+    n_walls = sum(face.kind == "wall" for face in result.faces)
+    # More walls have more to say, so they get a larger sheet.
+    growth = min(max(np.sqrt(n_walls / 8.0), 1.0), _LARGEST)
+    scale = float(min(_AREA[0] / extent_m[0], _AREA[1] / extent_m[1]) * growth)
+    flip = np.array([scale, -scale])
+    floors = {
+        room.id: tuple(
+            tuple(ring[:, :2] * flip for ring in corners[face.id])
+            for face in result.faces
+            if face.kind == "floor" and face.room == room.id
+        )
+        for room in result.rooms
+    }
+    walls = tuple(
+        _wall_line(result, face, np.concatenate(corners[face.id])[:, :2] * flip)
+        for face in result.faces
+        if face.kind == "wall"
+    )
+    z_range_m = (float(everything[:, 2].min()), float(everything[:, 2].max()))
+    return Outline(scale, walls, floors, z_range_m)
+
+
+def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> WallLine:
+    plane = result.shape.planes[face.plane]
+    low, high = corners[:, 1 - plane.axis].min(), corners[:, 1 - plane.axis].max()
+    outward = plane.outward if plane.axis == 0 else -plane.outward
+    at = float(corners[:, plane.axis].mean())
+    return WallLine(
+        face.id, face.room, plane.axis, at, float(low), float(high), outward, face.status == "inferred"
+    )
+
+
+def _inside(rings: tuple[Float[np.ndarray, "corners 2"], ...], x: float, y: float) -> bool:
+    """Even-odd rule over all rings."""
+    crossings = 0
+    for ring in rings:
+        a, b = ring, np.roll(ring, -1, axis=0)
+        spans = (a[:, 1] > y) != (b[:, 1] > y)
+        rise = np.where(spans, b[:, 1] - a[:, 1], 1.0)
+        reach = a[:, 0] + (y - a[:, 1]) / rise * (b[:, 0] - a[:, 0])
+        crossings += int((spans & (reach > x)).sum())
+    return crossings % 2 == 1
