@@ -47,7 +47,7 @@ def _world_info(result: FitResult) -> Iterator[str]:
     for d in result.dimensions:
         text = quantity_text(d.quantity)
         ends = f"{d.wall or d.kind}, {d.faces[0]} to {d.faces[1]}"
-            span = f"{text.low} to {text.high} at {100 * d.quantity.interval.level:g} %"
+        span = f"{text.low} to {text.high} at {100 * d.quantity.interval.level:g} %"
         line = f"{d.id}: {ends}: {text.value} m, {span}, {d.status}"
         yield f"    {_string(line)}"
     yield "  ]"

@@ -133,14 +133,16 @@ def _read_element(
     where: str, data: np.ndarray, at: int, element: PlyElement, order: str
 ) -> tuple[dict[str, np.ndarray], int]:
     """Columns of the element's single values, and the offset behind its last row."""
+    if not element.properties:
+        return {}, at
     lengths = _first_row_lengths(data, at, element, order)
     row_type, list_names = _row_type(element, lengths, order)
-    held = (len(data) - at) // row_type.itemsize if row_type.itemsize else element.count
+    held = (len(data) - at) // row_type.itemsize
     if held < element.count and not element.has_lists:
         _promised(where, element, held, len(data))
     if held >= element.count:
         end = at + element.count * row_type.itemsize
-        rows = data[at:end].view(row_type) if row_type.itemsize else np.empty(element.count, row_type)
+        rows = data[at:end].view(row_type)
         # If every row gives the length of the first, the rows are what the first one looks like.
         if all(np.all(rows[name] == lengths[i]) for i, name in enumerate(list_names)):
             singles = (p.name for p in element.properties if p.count_type is None)

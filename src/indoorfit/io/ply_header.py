@@ -110,7 +110,9 @@ def _parse_lines(where: str, lines: list[str], n_bytes: int) -> PlyHeader:
             case _:
                 raise InputError(f"{at}: found {line.strip()[:80]!r}, which is no PLY header line. {_FIX}")
     if found is None:
-        raise InputError(f"{where}: the PLY header has no format line; {' or '.join(_FORMATS)} is needed. {_FIX}")
+        raise InputError(
+            f"{where}: the PLY header has no format line; {' or '.join(_FORMATS)} is needed. {_FIX}"
+        )
     return PlyHeader(found, tuple(elements), n_bytes, len(lines))
 
 
@@ -129,7 +131,9 @@ def _property(at: str, words: list[str], element: PlyElement) -> PlyProperty:
         case ["list", count_type, item_type, name]:
             prop = PlyProperty(name, _type(at, item_type), _type(at, count_type))
             if prop.count_type is not None and prop.count_type[0] == "f":
-                raise InputError(f"{at}: a list's length is of type {count_type!r}; an integer is needed. {_FIX}")
+                raise InputError(
+                    f"{at}: a list's length is of type {count_type!r}; an integer is needed. {_FIX}"
+                )
         case [type_name, name]:
             prop = PlyProperty(name, _type(at, type_name))
         case _:
@@ -141,5 +145,7 @@ def _property(at: str, words: list[str], element: PlyElement) -> PlyProperty:
 
 def _type(at: str, name: str) -> str:
     if name not in _TYPES:
-        raise InputError(f"{at}: found the unknown type {name[:40]!r}; one of {', '.join(_TYPES)} is needed. {_FIX}")
+        raise InputError(
+            f"{at}: found the unknown type {name[:40]!r}; one of {', '.join(_TYPES)} is needed. {_FIX}"
+        )
     return _TYPES[name]

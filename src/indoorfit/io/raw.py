@@ -92,7 +92,7 @@ def _colours_of(
             stacked[:, 0], stacked[:, 1], stacked[:, 2] = first, second, third
             colours = colours_to_uint8(stacked)
             if colours is None:
-                text = f"The columns {', '.join(names)} are on no known scale (0 to 1, 255 or 65535); ignored."
+                text = f"The columns {', '.join(names)} have no known scale (0 to 1, 255 or 65535); ignored."
                 return None, (Note("COLOURS_UNREADABLE", text),)
             return colours, ()
     return None, ()

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -43,18 +43,14 @@ def read_table(path: Path, layout: TableLayout) -> Float[np.ndarray, "rows colum
     """
     with open_text(path) as file:
         lines = islice(_clean(file, layout), layout.skip_lines, None)
+        # loadtxt warns of blank lines and of none at all, and allocates max_rows before it reads:
+        # so it sees neither.
+        rows = islice((line for line in lines if not line.isspace()), layout.max_rows)
+        first = next(rows, None)
+        if not first:
+            return np.empty((0, layout.columns))
         try:
-            # The generator hides the end of the file, so emptiness is tested here and not warned of.
-            first = next((line for line in lines if line.strip()), None)
-            if first is None or layout.max_rows == 0:
-                return np.empty((0, layout.columns))
-            table = np.loadtxt(
-                _chain(first, lines),
-                delimiter=layout.delimiter,
-                comments=None,
-                max_rows=layout.max_rows,
-                ndmin=2,
-            )
+            table = np.loadtxt(chain((first,), rows), delimiter=layout.delimiter, comments=None, ndmin=2)
         except ValueError as e:
             raise InputError(_first_fault(path, layout)) from e
     if table.shape[1] != layout.columns:
@@ -73,11 +69,6 @@ def count_rows(path: Path, layout: TableLayout) -> int:
         return sum(1 for line in islice(_clean(file, layout), layout.skip_lines, None) if line.strip())
 
 
-def _chain(first: str, rest: Iterable[str]) -> Iterator[str]:
-    yield first
-    yield from rest
-
-
 def _clean(lines: Iterable[str], layout: TableLayout) -> Iterable[str]:
     """The lines without remarks and with decimal points; the same object where nothing is to do."""
     if not layout.comments and not layout.decimal_comma:
@@ -88,7 +79,8 @@ def _clean(lines: Iterable[str], layout: TableLayout) -> Iterable[str]:
     def cleaned() -> Iterator[str]:
         for line in lines:
             kept = remark.split(line, maxsplit=1)[0] if remark.search(line) else line
-            yield kept.replace(",", ".") if comma else kept
+            # A line that was all remark keeps a blank, which marks it as a line without content.
+            yield (kept or " ").replace(",", ".") if comma else kept or " "
 
     return cleaned()
 

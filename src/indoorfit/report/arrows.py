@@ -16,7 +16,7 @@ from .outline import BAND, Outline, WallLine
 SIZE = 12.0
 _TIER = 23.0
 """Distance of neighbouring dimension lines: a text and its air."""
-_RAISE = 9.0
+_RAISE = 9.5
 """Distance of a text's middle from its line."""
 _GAP = 3.0
 
@@ -64,13 +64,18 @@ class Placement:
 
 
 def spans_of(result: FitResult, outline: Outline) -> list[Span]:
-    """All distances that a plan can show, walls before overall extents, in the order of the result."""
+    """All distances that a plan can show, walls before overall extents, roomy ones first."""
     groups: dict[tuple[str, str], list[Dimension]] = {}
     for dimension in result.dimensions:
         if dimension.kind != "height":
             groups.setdefault(dimension.faces, []).append(dimension)
     spans = [span for group in groups.values() if (span := _span(group, outline)) is not None]
-    return sorted(spans, key=lambda span: not span.walls)
+    # Texts that fit their span have one good place; the short ones can go around them.
+    return sorted(spans, key=lambda span: (not span.walls, not _fits(span)))
+
+
+def _fits(span: Span) -> bool:
+    return text_width(span.label, SIZE) + 12.0 <= span.high - span.low
 
 
 def _span(group: list[Dimension], outline: Outline) -> Span | None:
@@ -83,7 +88,7 @@ def _span(group: list[Dimension], outline: Outline) -> Span | None:
     text = quantity_text(first.quantity)
     return Span(
         ids=", ".join(d.id for d in group),
-        text=f"{text.value} {text.spread}",
+        text=f"{text.value} {text.spread if text.half_width else f'({text.spread})'}",
         axis=low.axis,
         low=low.at,
         high=high.at,
@@ -184,8 +189,8 @@ def _text_places(span: Span, at: float, side: int) -> Iterator[tuple[tuple[float
     """Anchors of the text, whether it is upright, its box, and the taste of it."""
     width = text_width(span.label, SIZE)
     length, middle = span.high - span.low, 0.5 * (span.low + span.high)
-    overhang = max(0.0, width - length + 4.0)
-    alongs = [(middle, 0.08 * overhang)]
+    overhang = max(0.0, width - length + 12.0)
+    alongs = [(middle, 0.12 * overhang)]
     if overhang:
         for direction in (-1, 1):
             alongs.append((middle + direction * 0.5 * overhang, 6.0 + 0.1 * overhang))
@@ -203,7 +208,7 @@ def _text_places(span: Span, at: float, side: int) -> Iterator[tuple[tuple[float
     if span.axis == 1 and overhang:
         for direction in (-1, 1):
             beside = at + direction * (8.0 + 0.5 * width)
-            yield _text_at(span, middle, beside, width, upright=False, extra=12.0)
+            yield _text_at(span, middle, beside, width, upright=False, extra=6.0)
 
 
 def _text_at(span: Span, along: float, across: float, width: float, upright: bool, extra: float):
@@ -213,7 +218,7 @@ def _text_at(span: Span, along: float, across: float, width: float, upright: boo
 
 def _line_boxes(span: Span, at: float) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
     """The dimension line, shortened to stay off the walls that it ends at, and its extension lines."""
-    inset = min(4.0 + BAND * 0.0, 0.25 * (span.high - span.low))
+    inset = min(4.0, 0.25 * (span.high - span.low))
     line = _oriented(span, span.low + inset, span.high - inset, at - 0.5, at + 0.5)
     extensions = []
     for end in span.ends:
@@ -252,7 +257,7 @@ def draw_placement(placement: Placement) -> Iterator[Item]:
     for end in span.ends:
         start = _extension_start(end, at)
         if start is not None:
-            over = at + (4.0 if at > start else -4.0)
+            over = at + (2.0 if at > start else -2.0)
             yield Stroke(_points(span, [(end.at, start), (end.at, over)]), colour, 0.6)
     short = span.high - span.low < 24.0
     tail = 12.0 if short else 0.0

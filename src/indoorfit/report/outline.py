@@ -12,6 +12,9 @@ from .display import Box
 BAND = 7.0
 """Thickness of the drawn wall, outside the face that was measured. The true one is not known."""
 
+_THICKEST_M = 0.6
+"""What is farther apart than this is not drawn as one wall between two rooms."""
+
 _AREA = (760.0, 560.0)
 _LARGEST = 1.7
 
@@ -71,6 +74,20 @@ class Outline:
         ends = np.concatenate([wall.points() for wall in self.walls if room in (None, wall.room)])
         (x0, y0), (x1, y1) = ends.min(axis=0), ends.max(axis=0)
         return float(x0), float(y0), float(x1), float(y1)
+
+    def partitions(self) -> list[Float[np.ndarray, "corners 2"]]:
+        """What is between two rooms that stand back to back: the measured thickness of a wall."""
+        rectangles = []
+        for a in self.walls:
+            for b in self.walls:
+                low, high = max(a.low, b.low), min(a.high, b.high)
+                facing = a.axis == b.axis and a.outward > 0 > b.outward and high > low
+                if facing and 0.0 < b.at - a.at < _THICKEST_M * self.scale:
+                    # As far as the bands reach; the floors are drawn over what is too much.
+                    low, high = low - BAND, high + BAND
+                    corners = np.array([[a.at, low], [b.at, low], [b.at, high], [a.at, high]])
+                    rectangles.append(corners if a.axis == 0 else corners[:, ::-1])
+        return rectangles
 
     def room_at(self, x: float, y: float) -> str | None:
         """The room that holds a point of the page."""

@@ -11,8 +11,8 @@ from indoorfit.model import Shape
 
 from .presets import Rectangle, plan_minus_rectangles
 
-_TRIES = 400
-"""Cuts tried before starting again from a new rectangle; 14 walls in 3 x 3 m need some."""
+_TRIES = 150
+"""Cuts tried before starting again from a new rectangle; 14 walls in 3 x 3 m need about 60."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def random_room(
             f"simulate: {n_walls} walls; a rectilinear room has an even number of at least 4. "
             "Fix: choose 4, 6, 8, ..."
         )
-    for _ in range(50):
+    for _ in range(30):
         size_m = np.round(rng.uniform(*settings.size_m, 2), 3)
         cuts = _grow(rng, n_walls, size_m, settings)
         if cuts is not None:

@@ -30,8 +30,17 @@ class Distribution(Protocol):
         """Standard deviation of every dimension."""
         ...
 
+    @property
+    def variance_dof(self) -> Float[np.ndarray, " dims"]:
+        """Degrees of freedom of `std`."""
+        ...
+
     def interval(self, level: float) -> tuple[Float[np.ndarray, " dims"], Float[np.ndarray, " dims"]]:
         """Central interval: low and high end of every dimension."""
+        ...
+
+    def quantile(self, probability: float) -> Float[np.ndarray, " dims"]:
+        """Quantile of every dimension."""
         ...
 
     def derived(
@@ -103,6 +112,18 @@ class Predictive:
         """Standard deviation of every dimension, metres; infinite where unmeasured."""
         spread = self.component_means - self.mean
         return np.sqrt(self.weights @ (self.component_stds**2 + spread**2))
+
+    @property
+    def variance_dof(self) -> Float[np.ndarray, " dims"]:
+        """Degrees of freedom of `std`, from how much the variance differs between draws (JCGM 100, G.4.2).
+
+        At least 1; infinite where all draws agree.
+        """
+        variances = np.where(self.measured, self.component_stds, 1.0) ** 2
+        average = self.weights @ variances
+        scatter = self.weights @ (variances - average) ** 2
+        with np.errstate(divide="ignore"):
+            return np.maximum(2.0 * average**2 / scatter, 1.0)
 
     def covariance(self) -> Float[np.ndarray, "dims dims"]:
         """Covariance of all dimensions, m^2; rows of unmeasured dimensions hold what the others leave them."""

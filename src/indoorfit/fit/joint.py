@@ -1,0 +1,138 @@
+"""The joint fit: association and least squares in turn until neither moves."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from indoorfit.errors import InputError
+from indoorfit.model import Frame, Scan, Shape
+
+from .association import AssociationConfig, PatchData, associate
+from .least_squares import solve
+from .moments import plane_moments
+from .uncertainty import Cells
+from .uncertainty.location import student_t_precisions
+
+
+@dataclass(frozen=True)
+class JointConfig:
+    """Settings of the joint fit."""
+
+    association: AssociationConfig = field(default_factory=AssociationConfig)
+    """Which points belong to a plane."""
+    max_rounds: int = 12
+    """Rounds of association and least squares; three are usual."""
+    settle: float = 0.01
+    """The association stands still when nothing moved by more than this share of the reach: points at
+    its edge have no weight, and the location within a patch does not depend on the plane."""
+    coarse_points: int = 150_000
+    """The first rounds use at most this many points, every k-th; the last ones use all."""
+    student_dof: float = 4.0
+    """Tail of the weights between cells: wide enough for patches on furniture to lose their say."""
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """The fitted shape and the residuals that its uncertainty is made of."""
+
+    shape: Shape
+    frame: Frame
+    patches: PatchData
+    cells: Cells
+    cost: float
+    """Half the weighted sum of squares at the minimum."""
+    steps: int
+    """Solver steps of the last round."""
+    rounds: int
+    converged: bool
+
+
+def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
+    """Fit the shared rotation and all plane offsets to the points together.
+
+    The normals of all planes follow one rotation, each plane has one offset (statistics 3.1). Points
+    enter as robust locations of patches, patches with Student-t weights, planes as moments.
+
+    Args:
+        scan: metres, scan frame.
+        frame: Manhattan frame, right within a few degrees.
+        start: the grammar with planes within half the reach of their places.
+        config: see `JointConfig`.
+        pixel_m: resolution at which coverage is counted.
+
+    Returns:
+        the minimum; `converged` is False where the solver or the association did not come to rest.
+    """
+    local_m = scan.points_m - frame.origin_scan_m
+    stride = max(1, len(local_m) // config.coarse_points)
+    state = _State(start, frame.R_manhattan_scan)
+    still, rounds, steps = False, 0, 0
+    # Coarse rounds until the association stands still, then rounds with all points.
+    for step in ([stride] if stride > 1 else []) + [1]:
+        still = False
+        while not still and rounds < config.max_rounds:
+            rounds += 1
+            state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
+            still = moved_m < config.settle * config.association.reach_m
+    frame = Frame(state.rotation, frame.origin_scan_m)
+    assert state.patches is not None and state.cells is not None, "at least one round was made"
+    return JointFit(
+        state.shape, frame, state.patches, state.cells, state.cost, steps, rounds, still and state.solved
+    )
+
+
+@dataclass(frozen=True)
+class _State:
+    """Where the alternation stands."""
+
+    shape: Shape
+    rotation: Float[np.ndarray, "3 3"]
+    patches: PatchData | None = None
+    cells: Cells | None = None
+    cost: float = 0.0
+    solved: bool = False
+
+
+def _round(
+    local_m: Float[np.ndarray, "points 3"], state: _State, config: JointConfig, pixel_m: float
+) -> tuple[_State, float, int]:
+    """One association and one least squares solution; also the largest movement (m) and solver steps."""
+    shape = state.shape
+    patches = associate(local_m @ state.rotation.T, shape, config.association, pixel_m)
+    if len(patches.plane) == 0:
+        raise InputError(
+            "fit: no points lie on the walls that were found. Fix: check --unit; lower segment.min_surfels."
+        )
+    cells = build_cells(patches, shape)
+    weights = student_t_precisions(cells, config.student_dof)
+    axes = np.array([plane.axis for plane in shape.planes])
+    moments = plane_moments(patches.means_m, patches.plane, weights, len(axes))
+    solution = solve(moments, axes, shape.offsets_m)
+    turn = Rotation.from_rotvec(solution.rotation_rad).as_matrix()
+    # The planes' normals turned by `turn`, so in the new frame the points turn back.
+    patches = replace(patches, means_m=patches.means_m @ turn)
+    moved_m = float(np.max(np.abs(solution.offsets_m - shape.offsets_m)))
+    moved_m += float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
+    shape = shape.with_offsets(solution.offsets_m)
+    rotation = turn.T @ state.rotation
+    cells = build_cells(patches, shape)
+    return _State(shape, rotation, patches, cells, solution.cost, solution.converged), moved_m, solution.steps
+
+
+def build_cells(patches: PatchData, shape: Shape) -> Cells:
+    """Patches as residuals and their derivatives at the shape's present planes (statistics 3.1)."""
+    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
+    n = len(patches.plane)
+    design = np.zeros((n, 3 + len(shape.planes)))
+    design[:, :3] = np.cross(np.eye(3)[axes], patches.means_m)
+    design[np.arange(n), 3 + patches.plane] = -1.0
+    return Cells(
+        plane=patches.plane,
+        design=design,
+        centroids_m=patches.means_m,
+        residuals_m=patches.means_m[np.arange(n), axes] - shape.offsets_m[patches.plane],
+        variances_m2=patches.variances_m2,
+        counts=patches.counts,
+    )

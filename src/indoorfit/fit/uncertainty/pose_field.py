@@ -1,0 +1,217 @@
+"""Intervals with frame ids: every frame has slipped rigidly, and the slips are marginalised.
+
+One frame sees several faces, so its slip shows against the Manhattan model: this is a plane adjustment with a
+prior. It finds a face that hangs on displaced frames, to which no residual on the face itself gives a clue.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from .cells import ROTATIONS, Cells, Contrasts
+from .laplace import HyperDraws, HyperMode, draw_student_t, find_mode, laplace_mode, truncated_weights
+from .location import MAD_TO_STD, student_t_precisions, weighted_map
+from .pose_cells import SLIP, PoseLayout, PoseLinear, build_layout, linearise
+from .pose_noise import describe_pose_noise
+from .pose_system import PoseState, Robustness, evaluate_pose, slip_covariances
+from .predictive import Predictive
+
+
+@dataclass(frozen=True)
+class PoseFieldConfig:
+    """Priors and settings of the pose model."""
+
+    shift_median_m: float = 5e-3
+    """Prior median of a frame's shift per axis."""
+    turn_median_rad: float = 2e-3
+    """Prior median of a frame's rotation per axis: the shift over a lever of 2.5 m."""
+    time_median_frames: float = 20.0
+    """Prior median of the drift's memory: a field of view takes ten to thirty frames to cross."""
+    wall_median_m: float = 3e-3
+    """Prior median of a wall's own shape and of errors that all frames share (lens, incidence)."""
+    eta_median_m: float = 2e-3
+    """Prior median of what is left per cell."""
+    scale_log_std: float = 1.5
+    """Of the five scales above: a factor of 4.5 either way."""
+    rho_logit_std: float = 1.5
+    """Drift against jitter, 9 to 91 % at one sigma and a half."""
+    kappa: float = 0.5
+    """Variance of an offset common to a whole face over that of its shape. Not in the data: a prior."""
+    patch_m: float = 1.0
+    """Edge of the wall patches."""
+    student_dof: float = 4.0
+    """Tail of the cell weights."""
+    screen_sigmas: float = 3.0
+    """Patches whose mean shift exceeds this many robust sigmas count as contaminated."""
+    sweeps: int = 3
+    """Mode, weights, screening and relinearisation in turn."""
+    draws: int = 24
+    """Components of the mixture."""
+    draw_dof: float = 6.0
+    """Tail of the draws."""
+    min_frames: int = 8
+    """Fewer frames say nothing about their own scatter."""
+
+
+@dataclass(frozen=True)
+class FrameSlips:
+    """How far each frame was off: a point p of frame i belongs at ``R(turn)^-1 (p - pivot - shift) + pivot``."""
+
+    frames: Int[np.ndarray, " frames"]
+    """Frame indices as in the cells."""
+    pivots_m: Float[np.ndarray, "frames 3"]
+    """Manhattan frame."""
+    shifts_m: Float[np.ndarray, "frames 3"]
+    turns_rad: Float[np.ndarray, "frames 3"]
+    """Rotation vector, Manhattan axes."""
+    covariances: Float[np.ndarray, "frames 6 6"]
+    """Of (shift, turn): m^2, m rad, rad^2."""
+
+
+@dataclass(frozen=True)
+class PoseFieldFit:
+    """The model at its last linearisation, with the mode of its hyper-parameters."""
+
+    layout: PoseLayout
+    linear: PoseLinear
+    robust: Robustness
+    mode: HyperMode
+
+
+_LOW = np.array([np.log(1e-6), np.log(1e-7), -5.0, np.log(0.5), np.log(1e-6), np.log(1e-6)])
+_HIGH = np.array([np.log(1.0), np.log(0.35), 5.0, np.log(1e3), np.log(0.37), np.log(0.37)])
+
+
+def pose_prior(config: PoseFieldConfig) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, " 6"]]:
+    """Mean and standard deviation of phi, see `pose_system.evaluate_pose`."""
+    c = config
+    medians = [c.shift_median_m, c.turn_median_rad, 1.0, c.time_median_frames, c.wall_median_m, c.eta_median_m]
+    stds = np.full(SLIP, c.scale_log_std)
+    stds[2] = c.rho_logit_std
+    stds[3] = 1.0  # the memory's order of magnitude is known better than a scale's
+    return np.log(medians), stds
+
+
+def pose_obstacle(cells: Cells, config: PoseFieldConfig) -> str | None:
+    """Why the pose model cannot be used on these cells, or None."""
+    if cells.frames is None:
+        return "The points carry no frame ids."
+    frames = len(np.unique(cells.frames))
+    if frames < config.min_frames:
+        return f"{frames} frames; the pose model needs at least {config.min_frames}."
+    return None
+
+
+def pose_log_posterior(
+    fit_parts: tuple[PoseLayout, PoseLinear, Robustness], config: PoseFieldConfig, phi: Float[np.ndarray, " 6"]
+) -> float:
+    """Collapsed log posterior of phi; -inf outside the bounds."""
+    if np.any(phi < _LOW) or np.any(phi > _HIGH):
+        return -np.inf
+    means, stds = pose_prior(config)
+    value = evaluate_pose(*fit_parts, phi, config.kappa).log_likelihood
+    return value - 0.5 * float(np.sum(((phi - means) / stds) ** 2))
+
+
+def fit_pose_field(cells: Cells, config: PoseFieldConfig) -> PoseFieldFit:
+    """Mode of the hyper-parameters; weights, screening and the linearisation point follow it in sweeps."""
+    layout = build_layout(cells, config.patch_m)
+    step = weighted_map(cells, student_t_precisions(cells, config.student_dof)) @ cells.residuals_m
+    linear = linearise(layout, step, np.zeros((len(layout.frame_ids), SLIP)))
+    robust = Robustness(np.ones(len(layout.frame)), np.zeros(layout.n_patches))
+    means, stds = pose_prior(config)
+    bounds = np.column_stack([_LOW, _HIGH])
+    point, converged = means.copy(), False
+    for _ in range(config.sweeps):
+        parts = (layout, linear, robust)
+        objective = _differences(parts, config, 1e-4, central=False)
+        point, converged = find_mode(objective, point, bounds, max_evaluations=40)
+        state = evaluate_pose(*parts, point, config.kappa)
+        robust = _reweight(parts, state, config)
+        step = np.zeros(cells.n_params)
+        step[layout.seen] = state.border[: len(layout.precision)]
+        linear = linearise(layout, step, state.slips)
+    parts = (layout, linear, robust)
+    point, converged = find_mode(_differences(parts, config, 1e-4, central=False), point, bounds, 25)
+    mode = laplace_mode(_differences(parts, config, 1e-3, central=True), point, stds, converged)
+    return PoseFieldFit(layout, linear, robust, mode)
+
+
+def _differences(
+    parts: tuple[PoseLayout, PoseLinear, Robustness], config: PoseFieldConfig, width: float, central: bool
+):
+    """The log posterior with its gradient by differences: seven evaluations of some milliseconds."""
+
+    def objective(phi: Float[np.ndarray, " 6"]) -> tuple[float, Float[np.ndarray, " 6"]]:
+        inside = np.clip(phi, _LOW + width, _HIGH - width)
+        value = pose_log_posterior(parts, config, inside)
+        moves = width * np.eye(SLIP)
+        up = np.array([pose_log_posterior(parts, config, inside + move) for move in moves])
+        if not central:
+            return value, (up - value) / width
+        down = np.array([pose_log_posterior(parts, config, inside - move) for move in moves])
+        return value, (up - down) / (2 * width)
+
+    return objective
+
+
+def _reweight(
+    parts: tuple[PoseLayout, PoseLinear, Robustness], state: PoseState, config: PoseFieldConfig
+) -> Robustness:
+    """Student-t weights of the cells and mean-shift inflation of contradicted patches."""
+    layout, linear, robust = parts
+    fitted = linear.columns @ np.append(-state.border, 1.0)
+    remaining = fitted - np.sum(linear.slip_rows * state.slips[layout.frame], axis=1)
+    scaled = remaining**2 / (state.variances_m2 * robust.weights)
+    weights = (config.student_dof + 1) / (config.student_dof + scaled)
+
+    theta = len(layout.precision)
+    shift, variance = np.empty(layout.n_patches), np.empty(layout.n_patches)
+    for members, precision in zip(layout.patches, state.patch_precisions, strict=True):
+        where = theta + members
+        effect = precision @ state.border[where]
+        # Z^T P Z = G^-1 - G^-1 C G^-1: precision of a mean shift of one patch, left out of the rest.
+        left = precision - precision @ state.border_covariance[np.ix_(where, where)] @ precision
+        known = np.maximum(left.diagonal(), 1e-9 * precision.diagonal())
+        shift[members], variance[members] = effect / known, 1.0 / known
+    score = np.abs(shift) / np.sqrt(np.maximum(variance - robust.inflation_m2, 1e-18))
+    limit = config.screen_sigmas * MAD_TO_STD * float(np.median(score))
+    return Robustness(weights, np.where(score > limit, shift**2, 0.0))
+
+
+def pose_field_predictive(
+    cells: Cells, contrasts: Contrasts, config: PoseFieldConfig, rng: np.random.Generator
+) -> tuple[Predictive, FrameSlips]:
+    """Distribution of all dimensions from cells with frame ids, and every frame's estimated slip.
+
+    Args:
+        cells: one per frame, plane and patch of about 1 m; `pose_obstacle` must have nothing against them.
+        contrasts: the dimensions and the linearisation point.
+        config: priors.
+        rng: for the draws of the noise model only.
+    """
+    fit = fit_pose_field(cells, config)
+    parts = (fit.layout, fit.linear, fit.robust)
+    points, log_density = draw_student_t(fit.mode, config.draws, config.draw_dof, rng)
+    points = np.clip(points, _LOW, _HIGH)
+    log_target = np.array([pose_log_posterior(parts, config, point) for point in points])
+    hyper = HyperDraws(points, truncated_weights(log_target - log_density))
+    states = [evaluate_pose(*parts, point, config.kappa) for point in points]
+    where, theta = np.flatnonzero(cells.seen), len(fit.layout.precision)
+    means = np.tile(contrasts.estimate, (len(states), 1))
+    covariances = np.zeros((len(states), cells.n_params, cells.n_params))
+    for k, state in enumerate(states):
+        means[k, where] += state.border[:theta]
+        covariances[k][np.ix_(where, where)] = state.border_covariance[:theta, :theta]
+    noise = describe_pose_noise(hyper, pose_prior(config)[1], fit.robust, fit.mode.converged)
+    predictive = Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
+    return predictive, _slips(fit, config)
+
+
+def _slips(fit: PoseFieldFit, config: PoseFieldConfig) -> FrameSlips:
+    state = evaluate_pose(fit.layout, fit.linear, fit.robust, fit.mode.point, config.kappa)
+    shifts, turns = np.split(state.slips, 2, axis=1)
+    return FrameSlips(
+        fit.layout.frame_ids, fit.layout.pivots_m, shifts, turns, slip_covariances(state)
+    )

@@ -1,0 +1,186 @@
+"""Restricted likelihood of the pose model, with theta, all slips and all patches integrated analytically.
+
+The slips follow an Ornstein-Uhlenbeck process plus white noise over the frame index. The white part is
+eliminated frame by frame (6 x 6); the rest is a Markov chain, so its precision has seven diagonals; theta and
+the patches form the border. One evaluation costs milliseconds where the dense matrix would cost tens.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import lapack
+
+from .pose_cells import SLIP, PoseLayout, PoseLinear
+
+LOG_SHIFT, LOG_TURN, LOGIT_RHO, LOG_TIME, LOG_WALL, LOG_ETA = range(6)
+MATERN_LENGTH_M = 1.5
+"""Range of the wall's own shape."""
+PATCH_NUGGET = 0.1
+"""Share of a patch's variance that its neighbours know nothing about."""
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """What the last sweep thought of single cells and patches."""
+
+    weights: Float[np.ndarray, " cells"]
+    """Student-t weights, about 1 in the bulk."""
+    inflation_m2: Float[np.ndarray, " patches"]
+    """Extra variance of patches that the rest of the wall contradicts."""
+
+
+@dataclass(frozen=True)
+class PoseState:
+    """One evaluation, with what is needed to read off the posterior."""
+
+    log_likelihood: float
+    border: Float[np.ndarray, " border"]
+    """Posterior mean of (theta, patches)."""
+    border_covariance: Float[np.ndarray, "border border"]
+    slips: Float[np.ndarray, "frames 6"]
+    """Posterior mean of every frame's slip."""
+    white_gain: Float[np.ndarray, "frames 6 6"]
+    """Covariance of the white part given everything else."""
+    frame_information: Float[np.ndarray, "frames 6 6"]
+    band: Float[np.ndarray, "7 unknowns"]
+    """Cholesky factor of the chain, LAPACK lower band storage."""
+    chain_scale: Float[np.ndarray, " 6"]
+    cross: Float[np.ndarray, "frames 6 border"]
+    """B^T D^-1 (A, Z)."""
+    chain_cross: Float[np.ndarray, "unknowns border"]
+    variances_m2: Float[np.ndarray, " cells"]
+    patch_precisions: tuple[Float[np.ndarray, "members members"], ...]
+
+
+def patch_precisions(
+    layout: PoseLayout, log_wall: float, kappa: float, robust: Robustness
+) -> tuple[tuple[Float[np.ndarray, "members members"], ...], float]:
+    """Inverse prior covariance of the patches, plane by plane, and the log determinant of the covariance."""
+    variance = np.exp(2 * log_wall)
+    inverses, log_det = [], 0.0
+    for members, distance in zip(layout.patches, layout.patch_distances_m, strict=True):
+        scaled = np.sqrt(3) * distance / MATERN_LENGTH_M
+        covariance = variance * ((1 + scaled) * np.exp(-scaled) + kappa)
+        covariance.flat[:: len(members) + 1] += variance * PATCH_NUGGET + robust.inflation_m2[members]
+        inverses.append(np.linalg.inv(covariance))
+        log_det += float(np.linalg.slogdet(covariance)[1])
+    return tuple(inverses), log_det
+
+
+def evaluate_pose(
+    layout: PoseLayout,
+    linear: PoseLinear,
+    robust: Robustness,
+    phi: Float[np.ndarray, " 6"],
+    kappa: float,
+) -> PoseState:
+    """Log restricted likelihood up to a constant, and the posterior given phi.
+
+    Args:
+        layout, linear: the model.
+        robust: weights of cells and patches, held fixed.
+        phi: log sigma shift (m), log sigma turn (rad), logit rho, log T (frames), log wall (m), log eta (m).
+        kappa: variance of an offset common to a face, as a share of the wall field's.
+    """
+    frames, border = len(layout.frame_ids), linear.columns.shape[1] - 1
+    sigma = np.repeat(np.exp(phi[[LOG_SHIFT, LOG_TURN]]), SLIP // 2)
+    rho = 1.0 / (1.0 + np.exp(-phi[LOGIT_RHO]))
+    variances = (layout.cells.variances_m2 + np.exp(2 * phi[LOG_ETA])) / robust.weights
+    columns = linear.columns.multiply(1.0 / np.sqrt(variances)[:, None]).tocsr()
+    slip_matrix = linear.slip_matrix.multiply(1.0 / np.sqrt(variances)).tocsr()
+    normal = (columns.T @ columns).toarray()
+    cross = (slip_matrix @ columns).toarray().reshape(frames, SLIP, border + 1)
+    information = _frame_information(layout, linear, variances)
+
+    # White part: K = S^1/2 (I + S^1/2 Lambda S^1/2)^-1 S^1/2, regular also where S vanishes.
+    white = np.sqrt(1 - rho) * sigma
+    factor = np.linalg.cholesky(np.eye(SLIP) + white[:, None] * information * white)
+    log_det = 2.0 * float(np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2))))
+    half = np.linalg.solve(factor, np.broadcast_to(np.diag(white), factor.shape))
+    gain = np.swapaxes(half, 1, 2) @ half
+    reduced = (half @ cross).reshape(SLIP * frames, border + 1)
+    keep = np.eye(SLIP) - information @ gain
+    chain_scale = np.sqrt(rho) * sigma
+    chain_cross = (chain_scale[:, None] * (keep @ cross)).reshape(SLIP * frames, border + 1)
+    band, chain_log_det = _factor_chain(
+        layout, np.exp(phi[LOG_TIME]), chain_scale[:, None] * (keep @ information) * chain_scale
+    )
+    whitened, _ = lapack.dtbtrs(band, chain_cross, uplo="L")
+    stacked = np.vstack([reduced, whitened])
+    normal -= stacked.T @ stacked
+
+    precisions, patch_log_det = patch_precisions(layout, float(phi[LOG_WALL]), kappa, robust)
+    theta = len(layout.precision)
+    system = normal[:-1, :-1]
+    system.flat[: theta * (border + 1) : border + 1] += layout.precision
+    for members, precision in zip(layout.patches, precisions, strict=True):
+        system[np.ix_(theta + members, theta + members)] += precision
+    factor_border = np.linalg.cholesky(system)
+    covariance, _ = lapack.dpotri(factor_border, lower=1)
+    covariance = np.tril(covariance) + np.tril(covariance, -1).T
+    mean = covariance @ normal[:-1, -1]
+    quadratic = float(normal[-1, -1] - normal[:-1, -1] @ mean)
+    log_det += float(np.sum(np.log(variances))) + chain_log_det + patch_log_det
+    log_det += 2.0 * float(np.sum(np.log(np.diagonal(factor_border))))
+
+    free = np.append(-mean, 1.0)
+    chain, _ = lapack.dpbtrs(band, (chain_cross @ free)[:, None], lower=1)
+    drift = chain.reshape(frames, SLIP) * chain_scale
+    pull = cross @ free - np.einsum("fab,fb->fa", information, drift)
+    slips = drift + np.einsum("fab,fb->fa", gain, pull)
+    return PoseState(
+        -0.5 * (log_det + quadratic), mean, covariance, slips, gain, information, band, chain_scale,
+        cross[:, :, :-1], chain_cross[:, :-1], variances, precisions,
+    )  # fmt: skip
+
+
+def _frame_information(
+    layout: PoseLayout, linear: PoseLinear, variances_m2: Float[np.ndarray, " cells"]
+) -> Float[np.ndarray, "frames 6 6"]:
+    """Lambda_i = sum over the frame's cells of B^T B / D."""
+    rows = linear.slip_rows
+    products = rows[:, :, None] * (rows / variances_m2[:, None])[:, None, :]
+    total = np.zeros((len(layout.frame_ids), SLIP, SLIP))
+    np.add.at(total, layout.frame, products)
+    return total
+
+
+def _factor_chain(
+    layout: PoseLayout, time_frames: float, blocks: Float[np.ndarray, "frames 6 6"]
+) -> tuple[Float[np.ndarray, "7 unknowns"], float]:
+    """Banded Cholesky of prior + data for the unit chain; log det of it times the prior's covariance."""
+    decay = np.exp(-np.diff(layout.frame_ids) / time_frames)
+    loss = -np.expm1(-2 * np.diff(layout.frame_ids) / time_frames)
+    diagonal = np.ones(len(blocks))
+    diagonal[:-1] += decay**2 / loss
+    diagonal[1:] += decay**2 / loss
+    full = blocks + diagonal[:, None, None] * np.eye(SLIP)
+    size = SLIP * len(blocks)
+    band = np.zeros((SLIP + 1, size))
+    for below in range(SLIP):
+        lanes = np.arange(SLIP - below)
+        band[below].reshape(-1, SLIP)[:, lanes] = full[:, lanes + below, lanes]
+    band[SLIP, : size - SLIP] = np.repeat(-decay / loss, SLIP)
+    factor, info = lapack.dpbtrf(band, lower=1)
+    assert info == 0, "a prior precision plus information is positive definite"
+    return factor, 2.0 * float(np.sum(np.log(factor[0]))) + SLIP * float(np.sum(np.log(loss)))
+
+
+def slip_covariances(state: PoseState) -> Float[np.ndarray, "frames 6 6"]:
+    """Posterior covariance of every frame's slip, the uncertainty of theta and patches included."""
+    frames = len(state.slips)
+    border_response, _ = lapack.dpbtrs(state.band, state.chain_cross, lower=1)
+    scale = state.chain_scale
+    result = np.empty((frames, SLIP, SLIP))
+    for i in range(frames):
+        rows = slice(SLIP * i, SLIP * (i + 1))
+        unit = np.zeros((state.band.shape[1], SLIP))
+        unit[rows] = np.eye(SLIP)
+        column, _ = lapack.dpbtrs(state.band, unit, lower=1)
+        keep = np.eye(SLIP) - state.white_gain[i] @ state.frame_information[i]
+        # u = keep drift - K E z + const, drift = scale (chain - response z).
+        response = -(keep * scale) @ border_response[rows] - state.white_gain[i] @ state.cross[i]
+        drift = (keep * scale) @ column[rows] @ (keep * scale).T
+        result[i] = state.white_gain[i] + drift + response @ state.border_covariance @ response.T
+    return result

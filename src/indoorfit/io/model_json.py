@@ -1,0 +1,182 @@
+"""The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
+
+Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
+``converged``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room`` and ``wall`` of dimensions.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..model import SIDES, Cube, Dimension, Face, FitResult, Plane, Quantity, Room
+from .atomic import atomic_file
+
+SCHEMA_NAME = "indoorfit.model/1"
+
+SCHEMA_PATH = Path(__file__).with_name("model.schema.json")
+"""The JSON schema (draft 2020-12) of the document, shipped with the package."""
+
+
+def to_document(result: FitResult) -> dict[str, Any]:
+    """The result as plain dicts, lists, strings and numbers, in the order of the contract.
+
+    Numbers without a value (NaN, infinity) may occur only in the noise model and the provenance, where
+    they become null; JSON has no others.
+
+    Raises:
+        ValueError: another number is not finite, or something has no JSON form: a fault of the caller.
+    """
+    bounds_m = result.cube_bounds_m()
+    document = {
+        "schema": SCHEMA_NAME,
+        "unit": "m",
+        "level": float(result.level),
+        "method": result.method,
+        "converged": bool(result.converged),
+        "frame": {
+            "R_manhattan_scan": _numbers(result.frame.R_manhattan_scan),
+            "origin_scan": _numbers(result.frame.origin_scan_m),
+        },
+        "rooms": [_room(room) for room in result.rooms],
+        "cubes": [_cube(cube, bounds_m[cube.id]) for cube in result.shape.cubes],
+        "planes": [_plane(plane) for plane in result.shape.planes],
+        "faces": [_face(face) for face in result.faces],
+        "dimensions": [_dimension(dimension) for dimension in result.dimensions],
+        "noise": _plain(result.noise, "noise"),
+        "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
+        "provenance": _plain(result.provenance, "provenance"),
+    }
+    _require_finite(document, "")
+    return document
+
+
+def document_bytes(document: Mapping[str, Any]) -> bytes:
+    """The document as UTF-8 JSON; floats as Python's shortest text that reads back to the same bits."""
+    return (json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode("utf-8")
+
+
+def write_model_json(path: str | Path, result: FitResult, *, overwrite: bool = True) -> None:
+    """Write ``model.json``. The same result gives the same bytes.
+
+    Raises:
+        OutputError: the file cannot be written.
+        ValueError: as `to_document`.
+    """
+    content = document_bytes(to_document(result))
+    with atomic_file(path, overwrite=overwrite) as file:
+        file.write(content)
+
+
+def _numbers(array: np.ndarray) -> list:
+    return np.asarray(array, dtype=np.float64).tolist()
+
+
+def _quantity(quantity: Quantity) -> dict[str, Any]:
+    interval = quantity.interval
+    return {
+        "value": float(quantity.value),
+        "std": float(quantity.std),
+        "interval": {
+            "level": float(interval.level),
+            "low": float(interval.low),
+            "high": float(interval.high),
+        },
+    }
+
+
+def _room(room: Room) -> dict[str, Any]:
+    return {
+        "id": room.id,
+        "cube": room.cube,
+        "floor_area": _quantity(room.floor_area),
+        "volume": _quantity(room.volume),
+        "perimeter": _quantity(room.perimeter),
+    }
+
+
+def _cube(cube: Cube, bounds_m: np.ndarray) -> dict[str, Any]:
+    return {
+        "id": cube.id,
+        "role": cube.role,
+        "parent": cube.parent,
+        "centre": _numbers(0.5 * (bounds_m[0] + bounds_m[1])),
+        "size": _numbers(bounds_m[1] - bounds_m[0]),
+        "open": list(cube.open_sides),
+        "sides": {side: _index_or_none(cube.sides[side]) for side in SIDES},
+    }
+
+
+def _index_or_none(index: int | None) -> int | None:
+    return None if index is None else int(index)
+
+
+def _plane(plane: Plane) -> dict[str, Any]:
+    return {
+        "axis": "xyz"[plane.axis],
+        "outward": int(plane.outward),
+        "offset": float(plane.offset_m),
+        "status": plane.status,
+    }
+
+
+def _face(face: Face) -> dict[str, Any]:
+    return {
+        "id": face.id,
+        "kind": face.kind,
+        "class": face.face_class,
+        "room": face.room,
+        "cube": face.cube,
+        "side": face.side,
+        "plane": int(face.plane),
+        "normal": _numbers(face.normal),
+        "offset_std": float(face.offset_std_m),
+        "rings": [_numbers(ring) for ring in face.rings_m],
+        "points": int(face.n_points),
+        "coverage": float(face.coverage),
+        "rms": float(face.rms_m),
+        "status": face.status,
+    }
+
+
+def _dimension(dimension: Dimension) -> dict[str, Any]:
+    return {
+        "id": dimension.id,
+        "kind": dimension.kind,
+        "room": dimension.room,
+        "faces": list(dimension.faces),
+        "wall": dimension.wall,
+        "from": _numbers(dimension.from_m),
+        "to": _numbers(dimension.to_m),
+        **_quantity(dimension.quantity),
+        "status": dimension.status,
+    }
+
+
+def _plain(value: Any, where: str) -> Any:
+    """Free-form values for JSON: arrays as lists, numbers without a value as null."""
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist(), where)
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item, f"{where}.{key}") for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item, f"{where}[{index}]") for index, item in enumerate(value)]
+    raise ValueError(f"{where} is of type {type(value).__name__}, which has no JSON form")
+
+
+def _require_finite(value: Any, where: str) -> None:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            _require_finite(item, f"{where}.{key}" if where else key)
+    elif isinstance(value, list):
+        for index, item in enumerate(value):
+            _require_finite(item, f"{where}[{index}]")
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{where} is {value}; model.json holds finite numbers only")

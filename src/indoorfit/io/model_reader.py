@@ -1,0 +1,178 @@
+"""Reading ``model.json`` back, for later conversion."""
+
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+
+from ..model import (
+    SIDES,
+    Cube,
+    Dimension,
+    DimensionKind,
+    Face,
+    FaceClass,
+    FaceKind,
+    FitResult,
+    Frame,
+    Interval,
+    Method,
+    Note,
+    Plane,
+    PlaneStatus,
+    Quantity,
+    Role,
+    Room,
+    Shape,
+    Side,
+)
+from .checked_json import JsonNode, read_json
+from .model_json import SCHEMA_NAME
+
+
+def read_model_json(path: str | Path) -> FitResult:
+    """The result that a ``model.json`` holds; without meshes, which follow from the shape.
+
+    Raises:
+        InputError: no JSON, another schema, a field that is missing or of the wrong kind, or a
+            reference to something that is not in the file.
+    """
+    root = read_json(Path(path))
+    root["schema"].choice(SCHEMA_NAME)
+    root["unit"].choice("m")
+    planes = tuple(_plane(node) for node in root["planes"].items())
+    cubes = _cubes(root["cubes"], planes)
+    cube_ids = tuple(cube.id for cube in cubes)
+    rooms = tuple(_room(node, cube_ids) for node in root["rooms"].items())
+    room_ids = tuple(room.id for room in rooms)
+    faces = tuple(_face(node, room_ids, cube_ids, len(planes)) for node in root["faces"].items())
+    face_ids = tuple(face.id for face in faces)
+    return FitResult(
+        method=root["method"].choice(*get_args(Method)),
+        level=root["level"].number(),
+        frame=Frame(
+            R_manhattan_scan=root["frame"]["R_manhattan_scan"].array(3, 3),
+            origin_scan_m=root["frame"]["origin_scan"].array(3),
+        ),
+        shape=Shape(planes, cubes),
+        rooms=rooms,
+        faces=faces,
+        dimensions=tuple(_dimension(node, room_ids, face_ids) for node in root["dimensions"].items()),
+        meshes=(),
+        noise=root["noise"].mapping(),
+        notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
+        provenance=root["provenance"].mapping(),
+        converged=root["converged"].truth(),
+    )
+
+
+def _plane(node: JsonNode) -> Plane:
+    return Plane(
+        axis="xyz".index(node["axis"].choice("x", "y", "z")),
+        outward=_sign(node["outward"]),
+        offset_m=node["offset"].number(),
+        status=node["status"].choice(*get_args(PlaneStatus)),
+    )
+
+
+def _sign(node: JsonNode) -> int:
+    value = node.integer()
+    if value not in (-1, 1):
+        node.fail(str(value), "1 or -1")
+    return value
+
+
+def _cubes(node: JsonNode, planes: tuple[Plane, ...]) -> tuple[Cube, ...]:
+    cubes: dict[str, Cube] = {}
+    for item in node.items():
+        cube_id = item["id"].text()
+        if cube_id in cubes:
+            item["id"].fail(f"{cube_id!r} for the second time", "an id of its own")
+        parent = item["parent"].text_or_none()
+        if parent is not None and parent not in cubes:
+            item["parent"].fail(repr(parent), "a cube that comes before in the list")
+        sides: dict[Side, int | None] = {
+            side: _side_plane(item["sides"][side], planes, side, parent) for side in SIDES
+        }
+        cubes[cube_id] = Cube(cube_id, item["role"].choice(*get_args(Role)), parent, sides)
+    return tuple(cubes.values())
+
+
+def _side_plane(node: JsonNode, planes: tuple[Plane, ...], side: str, parent: str | None) -> int | None:
+    if node.value is None:
+        if parent is None:
+            node.fail("open", "a plane (a cube without a parent is closed on all sides)")
+        return None
+    index = node.integer(0, len(planes) - 1)
+    if "xyz"[planes[index].axis] != side[1]:
+        node.fail(f"the plane {index} across {'xyz'[planes[index].axis]}", f"a plane across {side[1]}")
+    return index
+
+
+def _quantity(node: JsonNode) -> Quantity:
+    interval = node["interval"]
+    return Quantity(
+        value=node["value"].number(),
+        std=node["std"].number(),
+        interval=Interval(interval["level"].number(), interval["low"].number(), interval["high"].number()),
+    )
+
+
+def _room(node: JsonNode, cube_ids: tuple[str, ...]) -> Room:
+    return Room(
+        id=node["id"].text(),
+        cube=_reference(node["cube"], cube_ids, "cube"),
+        floor_area=_quantity(node["floor_area"]),
+        volume=_quantity(node["volume"]),
+        perimeter=_quantity(node["perimeter"]),
+    )
+
+
+def _face(node: JsonNode, room_ids: tuple[str, ...], cube_ids: tuple[str, ...], n_planes: int) -> Face:
+    return Face(
+        id=node["id"].text(),
+        kind=node["kind"].choice(*get_args(FaceKind)),
+        face_class=node["class"].choice(*get_args(FaceClass)),
+        room=_reference(node["room"], room_ids, "room"),
+        cube=_reference(node["cube"], cube_ids, "cube"),
+        side=node["side"].choice(*SIDES),
+        plane=node["plane"].integer(0, n_planes - 1),
+        normal=node["normal"].array(3),
+        rings_m=tuple(_ring(ring) for ring in node["rings"].items()),
+        offset_std_m=node["offset_std"].number(),
+        n_points=node["points"].integer(0),
+        coverage=node["coverage"].number(),
+        rms_m=node["rms"].number(),
+        status=node["status"].choice(*get_args(PlaneStatus)),
+    )
+
+
+def _ring(node: JsonNode) -> np.ndarray:
+    ring = node.array(None, 3)
+    if len(ring) < 3:
+        node.fail(f"a ring of {len(ring)} corners", "a ring of at least 3")
+    return ring
+
+
+def _dimension(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, ...]) -> Dimension:
+    faces = [_reference(face, face_ids, "face") for face in node["faces"].items()]
+    if len(faces) != 2:
+        node["faces"].fail(f"a list of {len(faces)}", "a list of 2")
+    return Dimension(
+        id=node["id"].text(),
+        kind=node["kind"].choice(*get_args(DimensionKind)),
+        room=_reference(node["room"], room_ids, "room"),
+        faces=(faces[0], faces[1]),
+        wall=None if node["wall"].value is None else _reference(node["wall"], face_ids, "face"),
+        from_m=node["from"].array(3),
+        to_m=node["to"].array(3),
+        quantity=_quantity(node),
+        status=node["status"].choice(*get_args(PlaneStatus)),
+    )
+
+
+def _reference(node: JsonNode, ids: tuple[str, ...], kind: str) -> str:
+    target = node.text()
+    if target not in ids:
+        node.fail(repr(target)[:60], f"the id of a {kind} in this file")
+    return target

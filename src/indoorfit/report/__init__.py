@@ -1,0 +1,9 @@
+"""What people see: plan, tables, page and picture."""
+
+from .page import report_html as report_html
+from .plan import plan_picture as plan_picture
+from .plan import plan_svg as plan_svg
+from .plan import write_plan_png as write_plan_png
+from .render import View as View
+from .render import render_png as render_png
+from .table import dimension_table as dimension_table

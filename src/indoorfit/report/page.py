@@ -1,0 +1,146 @@
+"""The report as one page that needs nothing else: no scripts, no fonts, no network."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from indoorfit.export import quantity_text
+from indoorfit.model import FitResult, Quantity
+
+from .facts import input_name, level_text, loa_band
+from .style import STYLE
+from .table import what_is_measured
+
+
+def report_html(result: FitResult, plan_svg: str) -> str:
+    """The report of one fit.
+
+    Args:
+        result: what to report; all its texts are escaped.
+        plan_svg: the plan, as `report.plan_svg` makes it; put into the page as it stands.
+    """
+    title = f"Measured model of {input_name(result)}" if input_name(result) else "Measured model"
+    body = [
+        f"<h1>{escape(title)}</h1>",
+        f'<p class="quiet">{escape(_summary(result))}</p>',
+        *_warnings(result),
+        f'<section><h2>Plan</h2><div class="plan">{plan_svg}</div></section>',
+        *_dimensions(result),
+        *_rooms(result),
+        *_noise(result),
+        *_provenance(result),
+    ]
+    head = (
+        '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title><style>{STYLE}</style>"
+    )
+    content = "\n".join(body)
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{content}\n</body></html>\n'
+
+
+def _summary(result: FitResult) -> str:
+    n_rooms, n_walls = len(result.rooms), sum(face.kind == "wall" for face in result.faces)
+    rooms = "1 room" if n_rooms == 1 else f"{n_rooms} rooms"
+    inferred = sum(face.status == "inferred" for face in result.faces)
+    seen = f", {inferred} of all faces inferred" if inferred else ", every face observed"
+    return f"{rooms}, {n_walls} walls{seen}; {result.method} fit. All lengths in metres."
+
+
+def _warnings(result: FitResult) -> list[str]:
+    lines = [f"<code>{escape(note.code)}</code> {escape(note.message)}" for note in result.notes]
+    if not result.converged:
+        lines.insert(0, "The fit did not converge or a room is not closed: use these numbers with care.")
+    return [f'<p class="warning">{line}</p>' for line in lines]
+
+
+def _dimensions(result: FitResult) -> list[str]:
+    several = len(result.rooms) > 1
+    rows = [
+        (
+            ("id", d.id),
+            ("", what_is_measured(d, several)),
+            *_number_cells(d.quantity, 3, 4),
+            ("", loa_band(d.quantity)),
+            (d.status, d.status),
+        )
+        for d in result.dimensions
+    ]
+    head = ("Id", "What", "Value, m", f"Interval, {level_text(result.level)}", "Accuracy", "Status")
+    return [
+        "<section><h2>Dimensions</h2>",
+        _table(head, rows),
+        '<p class="quiet">Clear lengths between mean wall planes. Accuracy is the USIBD Level of Accuracy '
+        "that the half width at 95 % belongs to: LOA20 15 to 50 mm, LOA30 5 to 15 mm, LOA40 1 to 5 mm, LOA50 "
+        "below 1 mm; LOA10 is worse than 50 mm. An inferred dimension ends at a face without points.</p>"
+        "</section>",
+    ]
+
+
+def _rooms(result: FitResult) -> list[str]:
+    rows = [
+        (("id", room.id), ("", name), *_number_cells(quantity, 2, 3), ("", unit))
+        for room in result.rooms
+        for name, quantity, unit in (
+            ("Floor area", room.floor_area, "m²"),
+            ("Volume", room.volume, "m³"),
+            ("Perimeter", room.perimeter, "m"),
+        )
+    ]
+    head = ("Room", "What", "Value", f"Interval, {level_text(result.level)}", "Unit")
+    return ["<section><h2>Rooms</h2>", _table(head, rows), "</section>"]
+
+
+def _noise(result: FitResult) -> list[str]:
+    explanation = result.noise.get("explanation")
+    plain = {key: value for key, value in result.noise.items() if key != "explanation"}
+    parts = ["<section><h2>Noise and intervals</h2>"]
+    if explanation:
+        parts.append(f"<p>{escape(str(explanation))}</p>")
+    if plain:
+        parts.append(_table(("Noise model", "Value"), _pairs(plain)))
+    return [*parts, "</section>"]
+
+
+def _provenance(result: FitResult) -> list[str]:
+    table = _table(("What", "Value"), _pairs(result.provenance))
+    return ["<section><h2>Provenance</h2>", table, "</section>"]
+
+
+def _number_cells(quantity: Quantity, min_decimals: int, max_decimals: int) -> tuple[tuple[str, str], ...]:
+    text = quantity_text(quantity, min_decimals, max_decimals)
+    return ("number", text.value), ("number", text.spread)
+
+
+def _pairs(values: Mapping[str, Any]) -> list[tuple[tuple[str, str], tuple[str, str]]]:
+    """Nested settings as dotted names, so that a long configuration stays readable."""
+    rows = []
+    for key, value in values.items():
+        if isinstance(value, Mapping) and value:
+            rows += [(("", f"{key}.{name[1]}"), cell) for name, cell in _pairs(value)]
+        else:
+            text = value if isinstance(value, str) else json.dumps(value, default=str)
+            rows.append((("", str(key)), ("", text)))
+    return rows
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[tuple[str, str]]]) -> str:
+    """A table of (class, text) cells; a head cell above numbers is set to the right like them."""
+    rows = list(rows)
+    classes = [cell[0] for cell in rows[0]] if rows else [""] * len(head)
+    titles = "".join(
+        f'<th scope="col"{_class("number" * (kind == "number"))}>{escape(text)}</th>'
+        for text, kind in zip(head, classes, strict=True)
+    )
+    lines = [
+        "<tr>" + "".join(f"<td{_class(kind)}>{escape(text)}</td>" for kind, text in row) + "</tr>"
+        for row in rows
+    ]
+    content = "\n".join(lines)
+    return (
+        f'<div class="wide"><table><thead><tr>{titles}</tr></thead>\n<tbody>{content}</tbody></table></div>'
+    )
+
+
+def _class(kind: str) -> str:
+    return f' class="{escape(kind)}"' if kind else ""

@@ -1,0 +1,76 @@
+"""The dimension table for the terminal: plain text that survives any log."""
+
+from collections.abc import Sequence
+
+from indoorfit.export import quantity_text
+from indoorfit.model import Dimension, FitResult, Quantity
+
+from .facts import level_text
+
+_GAP = "  "
+
+
+def dimension_table(result: FitResult) -> str:
+    """Dimensions, rooms and warnings as aligned lines, metres throughout.
+
+    Values carry as many decimals as their interval warrants; an interval that is not symmetric is
+    written as its two ends.
+    """
+    level = level_text(result.level)
+    blocks = []
+    if result.dimensions:
+        rows = [_dimension_row(d, _several_rooms(result)) for d in result.dimensions]
+        blocks.append(_aligned(("id", "what", "value m", f"interval at {level}", "status"), rows))
+    if result.rooms:
+        rows = [
+            (room.id, name, *_numbers(quantity), unit)
+            for room in result.rooms
+            for name, quantity, unit in (
+                ("floor area", room.floor_area, "m²"),
+                ("volume", room.volume, "m³"),
+                ("perimeter", room.perimeter, "m"),
+            )
+        ]
+        blocks.append(_aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
+    blocks += ["\n".join(f"warning {note.code}: {note.message}" for note in result.notes)] * bool(result.notes)
+    if not result.converged:
+        blocks.append("The fit did not converge or a room is not closed: use these numbers with care.")
+    return "\n\n".join(blocks) + "\n"
+
+
+def what_is_measured(dimension: Dimension, with_room: bool) -> str:
+    """One phrase for a dimension: `wall-1, from wall-4 to wall-2`."""
+    subject = dimension.wall or dimension.kind
+    room = f"{dimension.room} " if with_room and dimension.wall is None else ""
+    return f"{room}{subject}, from {dimension.faces[0]} to {dimension.faces[1]}"
+
+
+def _several_rooms(result: FitResult) -> bool:
+    return len(result.rooms) > 1
+
+
+def _dimension_row(dimension: Dimension, with_room: bool) -> tuple[str, ...]:
+    what = what_is_measured(dimension, with_room)
+    text = quantity_text(dimension.quantity)
+    return dimension.id, what, text.value, text.spread, dimension.status
+
+
+def _numbers(quantity: Quantity) -> tuple[str, str]:
+    text = quantity_text(quantity, min_decimals=2, max_decimals=3)
+    return text.value, text.spread
+
+
+def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as their widest cell; numbers to the right, and a rule below the head."""
+    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    right = [cell.startswith("value") for cell in head]
+
+    def line(cells: Sequence[str]) -> str:
+        padded = (
+            cell.rjust(width) if flush else cell.ljust(width)
+            for cell, width, flush in zip(cells, widths, right, strict=True)
+        )
+        return _GAP.join(padded).rstrip()
+
+    rule = _GAP.join("-" * width for width in widths)
+    return "\n".join([line(head), rule, *map(line, rows)])

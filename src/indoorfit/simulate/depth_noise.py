@@ -1,0 +1,106 @@
+"""What a sensor makes of the true distances of one frame."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy import ndimage
+
+from .sensors import Sensor
+
+_EDGE_SHARE = 0.03
+"""Neighbours whose distances differ by more than this share look across an edge."""
+
+
+def measured(
+    sensor: Sensor,
+    distance_m: Float[np.ndarray, "rows columns"],
+    incidence_rad: Float[np.ndarray, "rows columns"],
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "rows columns"]:
+    """Depths (or ranges) with all errors of the sensor.
+
+    Args:
+        sensor: its laws.
+        distance_m: true depth, or range if `sensor.along_ray`; not finite where nothing returns.
+        incidence_rad: angle between ray and surface normal.
+        rng: draws the same number of values whatever the scene, so that frames stay comparable.
+
+    Returns:
+        NaN where the sensor gives no value.
+    """
+    valid = np.isfinite(distance_m) & (incidence_rad <= sensor.max_incidence_rad)
+    true_m = np.where(valid, distance_m, 1.0)
+    mixed_m = _mix_edges(sensor, true_m, valid, rng)
+    noise = rng.standard_normal(true_m.shape)
+    if sensor.correlation_pixels > 0.0:
+        noise = _correlated(noise, sensor.correlation_pixels)
+    incidence = np.where(valid, incidence_rad, 0.0)
+    value_m = mixed_m + noise * _sigma_m(sensor, mixed_m, incidence) + _bowl_m(sensor)
+    if sensor.step_per_m > 0.0:
+        value_m = _quantised(value_m, sensor.step_per_m)
+    keep = valid & (value_m >= sensor.min_m) & (value_m <= sensor.max_m)
+    keep &= rng.random(true_m.shape) >= sensor.dropout_share
+    return np.where(keep, value_m, np.nan)
+
+
+def _sigma_m(
+    sensor: Sensor,
+    distance_m: Float[np.ndarray, "rows columns"],
+    incidence_rad: Float[np.ndarray, "rows columns"],
+) -> Float[np.ndarray, "rows columns"]:
+    sigma_m = sensor.law_m(distance_m)
+    if sensor.step_per_m > 0.0:
+        # The published law was measured on quantised depths. Rounding alone gives step / sqrt(12), so
+        # only the rest is drawn (Sheppard's correction).
+        rounding_m = sensor.step_per_m * distance_m**2 / np.sqrt(12.0)
+        sigma_m = np.sqrt(np.maximum(sigma_m**2 - rounding_m**2, 0.0))
+    if sensor.incidence_power > 0.0:
+        sigma_m = sigma_m / np.cos(np.minimum(incidence_rad, 1.55)) ** sensor.incidence_power
+    if sensor.grazing_m > 0.0:
+        t = np.minimum(incidence_rad, 1.55)
+        sigma_m = sigma_m + sensor.grazing_m / np.sqrt(distance_m) * (t / (0.5 * np.pi - t)) ** 2
+    return sigma_m
+
+
+def _quantised(
+    depth_m: Float[np.ndarray, "rows columns"], step_per_m: float
+) -> Float[np.ndarray, "rows columns"]:
+    """Depth after rounding the disparity, which is 1 / (step * depth) in whole numbers."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        disparity = np.round(1.0 / (step_per_m * depth_m))
+        return np.where(disparity > 0, 1.0 / (step_per_m * disparity), np.nan)
+
+
+def _correlated(noise: Float[np.ndarray, "rows columns"], pixels: float) -> Float[np.ndarray, "rows columns"]:
+    """White noise smoothed by a Gaussian, scaled back to unit variance."""
+    sigma = 0.5 * pixels
+    smooth = ndimage.gaussian_filter(noise, sigma, mode="wrap")
+    # The variance of a smoothed unit noise is the sum of the squared weights: 1 / (4 pi sigma^2).
+    impulse = np.zeros(noise.shape)
+    impulse[0, 0] = 1.0
+    weights = ndimage.gaussian_filter(impulse, sigma, mode="wrap")
+    return smooth / np.sqrt((weights**2).sum())
+
+
+def _bowl_m(sensor: Sensor) -> Float[np.ndarray, "rows columns"]:
+    rows = np.linspace(-1.0, 1.0, sensor.rows)[:, None]
+    columns = np.linspace(-1.0, 1.0, sensor.columns)[None]
+    return sensor.bowl_m * (rows**2 + columns**2 - 1.0)
+
+
+def _mix_edges(
+    sensor: Sensor,
+    distance_m: Float[np.ndarray, "rows columns"],
+    valid: Bool[np.ndarray, "rows columns"],
+    rng: np.random.Generator,
+) -> Float[np.ndarray, "rows columns"]:
+    """Pixels whose beam covers an edge end somewhere between the two surfaces."""
+    chance, weight = rng.random(distance_m.shape), rng.random(distance_m.shape)
+    if sensor.mixed_share == 0.0:
+        return distance_m
+    mixed_m = distance_m.copy()
+    for axis in (0, 1):
+        neighbour_m = np.roll(distance_m, 1, axis)
+        edge = np.abs(neighbour_m - distance_m) > _EDGE_SHARE * distance_m
+        edge &= valid & np.roll(valid, 1, axis) & (chance < sensor.mixed_share)
+        mixed_m = np.where(edge, weight * distance_m + (1.0 - weight) * neighbour_m, mixed_m)
+    return mixed_m
