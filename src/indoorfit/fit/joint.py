@@ -12,6 +12,7 @@ from indoorfit.model import Frame, Scan, Shape
 from .association import AssociationConfig, PatchData, associate
 from .least_squares import solve
 from .moments import plane_moments
+from .residuals import build_cells
 from .uncertainty import Cells
 from .uncertainty.location import student_t_precisions
 
@@ -119,20 +120,3 @@ def _round(
     rotation = turn.T @ state.rotation
     cells = build_cells(patches, shape)
     return _State(shape, rotation, patches, cells, solution.cost, solution.converged), moved_m, solution.steps
-
-
-def build_cells(patches: PatchData, shape: Shape) -> Cells:
-    """Patches as residuals and their derivatives at the shape's present planes (statistics 3.1)."""
-    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
-    n = len(patches.plane)
-    design = np.zeros((n, 3 + len(shape.planes)))
-    design[:, :3] = np.cross(np.eye(3)[axes], patches.means_m)
-    design[np.arange(n), 3 + patches.plane] = -1.0
-    return Cells(
-        plane=patches.plane,
-        design=design,
-        centroids_m=patches.means_m,
-        residuals_m=patches.means_m[np.arange(n), axes] - shape.offsets_m[patches.plane],
-        variances_m2=patches.variances_m2,
-        counts=patches.counts,
-    )

@@ -3,6 +3,7 @@
 from .atomic import atomic_directory as atomic_directory
 from .atomic import atomic_file as atomic_file
 from .atomic import check_output_directory as check_output_directory
+from .checked_scan import MIN_POINTS as MIN_POINTS
 from .frames import frames_path as frames_path
 from .frames import read_frames_json as read_frames_json
 from .frames import write_frames_json as write_frames_json
@@ -12,7 +13,6 @@ from .model_json import to_document as to_document
 from .model_json import write_model_json as write_model_json
 from .model_reader import read_model_json as read_model_json
 from .ply_writer import write_ply as write_ply
-from .scan import MIN_POINTS as MIN_POINTS
 from .scan import read_scan as read_scan
 from .scan import scan_from_arrays as scan_from_arrays
 from .units import Unit as Unit

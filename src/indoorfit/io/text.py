@@ -154,7 +154,7 @@ def _column_names(
         colours = f"{fitting[0] + 1} to {fitting[0] + 3}" if fitting else "none"
         text = (
             f"The {n_columns} columns have no names that say x, y and z or where the colours are; taken "
-            f"were 1 to 3 as coordinates, colours: {colours}. A header line 'x y z intensity r g b' would settle it."
+            f"were 1 to 3 as coordinates, colours: {colours}. A header line with names settles it."
         )
         notes = (Note("COLUMNS_ASSUMED", text),)
     return tuple(named), notes

@@ -28,3 +28,5 @@ from .result import Room as Room
 from .result import RoomMesh as RoomMesh
 from .segments import Segments as Segments
 from .segments import Surfels as Surfels
+from .solid import Polygon as Polygon
+from .solid import RoomSolid as RoomSolid

@@ -158,7 +158,7 @@ def _line_places(span: Span, outline: Outline) -> Iterator[tuple[float, int, flo
             if outer:
                 yield edge + away, wall.outward, turned + 4.0 * tier + 0.08 * abs(edge - wall.at)
             yield wall.at + away, wall.outward, turned + 4.0 * tier + (10.0 if outer else 25.0)
-            inner = wall.at - (_TIER * tier + 8.0) * wall.outward
+            inner = wall.at - (_TIER * tier + 13.0) * wall.outward
             yield inner, -wall.outward, turned + 5.0 * tier + (200.0 if outer else 0.0)
     if not span.walls:
         for tier in range(1, 9):
@@ -208,7 +208,7 @@ def _text_places(span: Span, at: float, side: int) -> Iterator[tuple[tuple[float
     if span.axis == 1 and overhang:
         for direction in (-1, 1):
             beside = at + direction * (8.0 + 0.5 * width)
-            yield _text_at(span, middle, beside, width, upright=False, extra=6.0)
+            yield _text_at(span, middle, beside, width, upright=False, extra=3.0)
 
 
 def _text_at(span: Span, along: float, across: float, width: float, upright: bool, extra: float):

@@ -31,9 +31,7 @@ def heading(result: FitResult) -> tuple[list[Item], float]:
     return items, 80.0
 
 
-def caption(
-    result: FitResult, scale: float, width: float, cramped: list[str]
-) -> tuple[list[Item], float]:
+def caption(result: FitResult, scale: float, width: float, cramped: list[str]) -> tuple[list[Item], float]:
     """Scale bar, axes, legend and room lines, with the top left corner at the origin, and their height."""
     bar, bar_width = _scale_bar(scale)
     items: list[Item] = [*bar, *_axes(np.array([bar_width + 46.0, 16.0]))]

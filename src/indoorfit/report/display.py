@@ -22,7 +22,7 @@ CAP_HEIGHT = 0.70
 class Region:
     """A filled area; points inside an odd number of rings belong to it."""
 
-    rings: tuple[Float[np.ndarray, "corners 2"], ...]
+    rings: tuple[Float[np.ndarray, "_ 2"], ...]
     fill: str | None
     stroke: str | None = None
     width: float = 0.0

@@ -8,7 +8,9 @@ from PIL import ImageFont
 _SUPERSCRIPTS = {"²": "2", "³": "3"}
 SUPERSCRIPT_SIZE = 0.62
 SUPERSCRIPT_RISE = 0.34
-_REPLACEMENTS = str.maketrans({"–": "-", "—": "-", "−": "-", "×": "x", "→": ">", "≤": "<"})
+_REPLACEMENTS = str.maketrans({0x2013: "-", 0x2014: "-", 0x2212: "-", 0xD7: "x"})
+"""En dash, em dash, minus and multiplication sign."""
+
 _PRESENT = frozenset("±°·…")
 
 

@@ -92,8 +92,8 @@ def name_walls(outline: Outline, board: Board, short: bool) -> Iterator[Item]:
             cost = taste + board.cost(Marks(texts=(box,)))
             # A name inside another room would be read as that room's.
             cost += 200.0 * (outline.room_at(*at) not in (None, wall.room))
-            # ... and one nearer to another wall as that wall's.
-            own = _distance(box, wall.box()) + 0.5
+            # ... and one clearly nearer to another wall as that wall's.
+            own = _distance(box, wall.box()) - 2.0
             cost += 60.0 * any(_distance(box, other.box()) < own for other in outline.walls if other != wall)
             if cost < least:
                 best, least = (at, upright, box, taste), cost

@@ -56,7 +56,7 @@ class Outline:
     scale: float
     """Page units per metre."""
     walls: tuple[WallLine, ...]
-    floors: dict[str, tuple[tuple[Float[np.ndarray, "corners 2"], ...], ...]]
+    floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]
     """By room, the floor polygons with their holes."""
     z_range_m: tuple[float, float]
     """Lowest floor and highest ceiling, Manhattan frame."""
@@ -136,7 +136,7 @@ def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corner
     )
 
 
-def _inside(rings: tuple[Float[np.ndarray, "corners 2"], ...], x: float, y: float) -> bool:
+def _inside(rings: tuple[Float[np.ndarray, "_ 2"], ...], x: float, y: float) -> bool:
     """Even-odd rule over all rings."""
     crossings = 0
     for ring in rings:

@@ -90,9 +90,8 @@ def _sheet(result: FitResult, outline: Outline, drawing: list[Item], cramped: li
         *(item.moved(at_foot) for item in foot),
     ]
     height = float(at_foot[1]) + foot_height + _MARGIN
-    description = (
-        f"Top view of {len(result.rooms)} room(s) with {len(outline.walls)} walls and the distances between them."
-    )
+    counts = f"{len(result.rooms)} room(s) with {len(outline.walls)} walls"
+    description = f"Top view of {counts} and the distances between them."
     return Picture(width + 2 * _MARGIN, height, _PAPER, tuple(items), "Measured plan", description)
 
 
@@ -117,9 +116,7 @@ def _walls(outline: Outline) -> list[Item]:
     return items
 
 
-def _scan(
-    result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None
-) -> list[Item]:
+def _scan(result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None) -> list[Item]:
     """The scan between floor and ceiling as faint dots, one per cell of the page, darker where dense."""
     if points_m is None or not len(points_m):
         return []

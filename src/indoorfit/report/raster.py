@@ -1,5 +1,7 @@
 """The display list as pixels."""
 
+from itertools import pairwise
+
 import numpy as np
 from jaxtyping import Float
 from PIL import Image, ImageDraw
@@ -75,12 +77,14 @@ def _draw_segment(
     across = np.array([-along[1], along[0]])
     if extend:
         a, b = a - along, b + along
-    pen.polygon([(x, y) for x, y in np.array([a - across, b - across, b + across, a + across]).tolist()], colour)
+    pen.polygon(
+        [(x, y) for x, y in np.array([a - across, b - across, b + across, a + across]).tolist()], colour
+    )
 
 
 def _dashes(points: Float[np.ndarray, "points 2"], dash: tuple[float, float] | None, factor: float):
     """The inked pieces of a line."""
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         length = float(np.linalg.norm(b - a))
         if dash is None or length == 0.0:
             yield a, b

@@ -11,7 +11,7 @@ from PIL import Image
 from indoorfit.export import face_colour, replace_file
 from indoorfit.model import FitResult
 
-_OVERSAMPLING = 3
+_OVERSAMPLING = 2
 """Samples per pixel and direction: smooth edges without a line drawer."""
 
 _BACKGROUND = (255, 255, 255)
@@ -26,7 +26,7 @@ class View:
     azimuth_rad: float = -2.1
     """Direction from the model to the observer, from Manhattan x towards y; left and in front of the
     room, so that two walls are seen from inside and none is seen edge-on."""
-    elevation_rad: float = 0.85
+    elevation_rad: float = 0.95
     """Height of the observer above the horizon: high enough to see the floor behind the notches."""
     width_px: int = 1400
     height_px: int = 1000
@@ -58,9 +58,9 @@ def render(result: FitResult, view: View) -> Image.Image:
     seen[..., :2] = (seen[..., :2] - 0.5 * (low + high)) * scale * [1.0, -1.0] + 0.5 * pixels
     depth = np.full(pixels[::-1], -np.inf, np.float32)
     face_of = np.full(pixels[::-1], -1, np.int16)
-    for triangle, owner in zip(seen, owners, strict=True):
+    for triangle, owner in zip(seen, owners.tolist(), strict=True):
         _fill(depth, face_of, triangle, owner)
-    colours = np.array([*_shades(result), _BACKGROUND], np.uint8)
+    colours = np.array([*_shades(result, view), _BACKGROUND], np.uint8)
     image = colours[face_of]
     image[_edges(face_of)] = _EDGE
     size = (view.width_px, view.height_px)
@@ -116,23 +116,24 @@ def _fill(
     face_of[window][drawn] = owner
 
 
-def _shades(result: FitResult) -> list[tuple[int, int, int]]:
-    """Lambert's law with a lamp that is fixed to the room, and half of the light from everywhere."""
-    lamp = np.array([0.35, 0.55, 0.75]) / np.linalg.norm([0.35, 0.55, 0.75])
+def _shades(result: FitResult, view: View) -> list[tuple[int, int, int]]:
+    """Lambert's law with a lamp to the left of the observer, and most of the light from everywhere."""
+    azimuth = view.azimuth_rad - 0.8
+    lamp = np.array([0.6 * np.cos(azimuth), 0.6 * np.sin(azimuth), 0.8])
     shades = []
     for face in result.faces:
         facing = max(float(result.frame.R_manhattan_scan @ face.normal @ lamp), 0.0)
-        light = 0.72 + 0.28 * facing / 0.75
+        light = 0.78 + 0.25 * facing
         r, g, b = (min(round(channel * light), 255) for channel in face_colour(face))
         shades.append((r, g, b))
     return shades
 
 
 def _edges(face_of: Int[np.ndarray, "rows columns"]) -> np.ndarray:
-    """Samples beside another face: a line of about a pixel along every edge of the model."""
+    """Samples beside another face: a line of about 1.5 pixels along every edge of the model."""
     edges = np.zeros(face_of.shape, bool)
     for axis in (0, 1):
-        for step in (1, 2):
+        for step in (1, 2, 3):
             a = np.moveaxis(face_of, axis, 0)
             different = a[step:] != a[:-step]
             np.moveaxis(edges, axis, 0)[step:] |= different

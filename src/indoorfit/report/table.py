@@ -32,7 +32,8 @@ def dimension_table(result: FitResult) -> str:
             )
         ]
         blocks.append(_aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
-    blocks += ["\n".join(f"warning {note.code}: {note.message}" for note in result.notes)] * bool(result.notes)
+    if result.notes:
+        blocks.append("\n".join(f"warning {note.code}: {note.message}" for note in result.notes))
     if not result.converged:
         blocks.append("The fit did not converge or a room is not closed: use these numbers with care.")
     return "\n\n".join(blocks) + "\n"
@@ -61,7 +62,8 @@ def _numbers(quantity: Quantity) -> tuple[str, str]:
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as their widest cell; numbers to the right, and a rule below the head."""
+    """Columns as wide as their widest cell, decimal points below each other, a rule below the head."""
+    rows = _points_aligned(head, rows)
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
     right = [cell.startswith("value") for cell in head]
 
@@ -74,3 +76,14 @@ def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
     rule = _GAP.join("-" * width for width in widths)
     return "\n".join([line(head), rule, *map(line, rows)])
+
+
+def _points_aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    """The same rows, values with fewer decimals padded on the right."""
+    padded = [list(row) for row in rows]
+    for k, title in enumerate(head):
+        if title.startswith("value"):
+            decimals = [len(row[k].partition(".")[2]) for row in padded]
+            for row, own in zip(padded, decimals, strict=True):
+                row[k] += " " * (max(decimals) - own)
+    return padded

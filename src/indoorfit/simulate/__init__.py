@@ -1,6 +1,10 @@
 """Simulated rooms and scans whose truth is known exactly."""
 
 from .patches import Box as Box
+from .path import Pose as Pose
+from .path import handheld_path as handheld_path
+from .path import looking as looking
+from .path import stations as stations
 from .placement import Hole as Hole
 from .placement import place_furniture as place_furniture
 from .placement import place_windows as place_windows
@@ -9,6 +13,32 @@ from .presets import RoomKind as RoomKind
 from .presets import room_shape as room_shape
 from .random_plan import RandomRoomSettings as RandomRoomSettings
 from .random_plan import random_room as random_room
+from .random_scene import RandomSceneSettings as RandomSceneSettings
+from .random_scene import random_scene as random_scene
+from .registration import Registration as Registration
+from .registration import pose_errors as pose_errors
+from .registration import regime as regime
+from .rgbd import write_rgbd as write_rgbd
 from .sampling import SamplingSettings as SamplingSettings
 from .sampling import sample_surface as sample_surface
+from .scanner import DepthFrame as DepthFrame
+from .scanner import ScanSettings as ScanSettings
+from .scanner import scan_frames as scan_frames
+from .scanner import virtual_scan as virtual_scan
+from .scene import Finish as Finish
+from .scene import Furniture as Furniture
+from .scene import ObliqueWall as ObliqueWall
+from .scene import Opening as Opening
+from .scene import RoomPlan as RoomPlan
+from .scene import Scene as Scene
+from .scene import Step as Step
+from .scene import read_scene as read_scene
+from .scene import room_plans as room_plans
+from .scene import write_scene as write_scene
+from .scene_build import BuiltScene as BuiltScene
+from .scene_build import build_scene as build_scene
+from .scene_shape import scene_shape as scene_shape
+from .sensors import SENSOR_PRESETS as SENSOR_PRESETS
+from .sensors import Sensor as Sensor
+from .sensors import load_sensor as load_sensor
 from .virtual import VirtualScan as VirtualScan

@@ -16,6 +16,9 @@ from .quads import Quads
 BUNDLE = 1024
 """Rays per bundle: 32 x 32 pixels; the temporaries of a bundle then fit the second-level cache."""
 
+_WIDEST_SLOPE = 40.0
+"""Pyramids as wide as a half space: their faces cut nothing off, and rounding grows with the slope."""
+
 
 @dataclass(frozen=True)
 class Hits:
@@ -53,9 +56,10 @@ def cast(
     v0 = -np.einsum("qi,qi->q", seen.across, offset_m)
     corners_m = seen.corners_m() - origin_m
     axes = np.stack([seen.normal, seen.along, seen.across])
-    for start in range(0, n, BUNDLE):
+    near = _in_pyramids(corners_m, directions)
+    for k, start in enumerate(range(0, n, BUNDLE)):
         rays = directions[start : start + BUNDLE]
-        inside = np.flatnonzero(_in_pyramid(corners_m, rays))
+        inside = np.flatnonzero(near[k])
         if not len(inside):
             continue
         slope, du, dv = axes[:, inside] @ rays.T
@@ -77,30 +81,38 @@ def cast(
     return Hits(distance, quad)
 
 
-def _in_pyramid(
-    corners_m: Float[np.ndarray, "quads 4 3"], rays: Float[np.ndarray, "rays 3"]
-) -> Bool[np.ndarray, " quads"]:
-    """Rectangles that may meet the smallest upright pyramid around a bundle of rays.
+def _in_pyramids(
+    corners_m: Float[np.ndarray, "quads 4 3"], directions: Float[np.ndarray, "rays 3"]
+) -> Bool[np.ndarray, "bundles quads"]:
+    """Rectangles that may meet the smallest upright pyramid around each bundle of rays.
 
     Conservative: a rectangle is left out only if all its corners are on the outer side of one face.
     """
-    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
-    middle = unit.mean(axis=0)
-    length = np.linalg.norm(middle)
-    every = np.ones(len(corners_m), bool)
-    if length < 0.3:
-        return every
-    middle /= length
-    side = np.cross(middle, np.eye(3)[np.argmin(np.abs(middle))])
-    side /= np.linalg.norm(side)
-    basis = np.stack([middle, side, np.cross(middle, side)])
-    forward, x, y = basis @ unit.T
-    # A pyramid needs an opening angle below 90 degrees; wider bundles are not culled.
-    if forward.min() < 0.05:
-        return every
-    w, cx, cy = np.moveaxis(corners_m @ basis.T, 2, 0)
-    x, y = x / forward, y / forward
-    outside = (w <= 0.0).all(axis=1)
-    for slopes, c in ((x, cx), (y, cy)):
-        outside |= (c < slopes.min() * w).all(axis=1) | (c > slopes.max() * w).all(axis=1)
-    return ~outside
+    missing = -len(directions) % BUNDLE
+    # The last ray fills up the last bundle: repeating it widens no pyramid.
+    padded = np.concatenate([directions, np.repeat(directions[-1:], missing, axis=0)])
+    bundles = padded.reshape(-1, BUNDLE, 3)
+    # 256 bundles at a time keep the temporaries at some megabytes.
+    parts = [_near_bundles(corners_m, bundles[k : k + 256]) for k in range(0, len(bundles), 256)]
+    return np.concatenate(parts) if parts else np.zeros((0, len(corners_m)), bool)
+
+
+def _near_bundles(
+    corners_m: Float[np.ndarray, "quads 4 3"], bundles: Float[np.ndarray, "bundles rays 3"]
+) -> Bool[np.ndarray, "bundles quads"]:
+    middle = bundles.mean(axis=1)
+    side = np.cross(middle, np.eye(3)[np.argmin(np.abs(middle), axis=1)])
+    basis = np.stack([middle, side, np.cross(middle, side)], axis=1)
+    basis /= np.maximum(np.linalg.norm(basis, axis=2, keepdims=True), 1e-300)
+    forward, x, y = np.moveaxis(basis @ bundles.transpose(0, 2, 1), 1, 0)
+    flat = corners_m.reshape(-1, 3).T
+    w, cx, cy = np.moveaxis((basis @ flat).reshape(len(bundles), 3, -1, 4), 1, 0)
+    # Zero where no pyramid exists; such bundles are not culled, see below.
+    safe = np.maximum(forward, 1e-12)
+    outside = (w <= 0.0).all(axis=2)
+    too_wide = (forward <= 0.0).any(axis=1)
+    for slope, c in ((x / safe, cx), (y / safe, cy)):
+        low, high = slope.min(axis=1)[:, None, None], slope.max(axis=1)[:, None, None]
+        outside |= (c < low * w).all(axis=2) | (c > high * w).all(axis=2)
+        too_wide |= (high - low)[:, 0, 0] > _WIDEST_SLOPE
+    return ~outside | too_wide[:, None]

@@ -19,7 +19,7 @@ class Registration:
     rms_m: float = 0.0
     """Root mean square of the position error along each axis, over all frames, without slips."""
     rotation_rad_per_m: float = 1.0 / 3.0
-    """RMS of the rotation error about each axis, as radians per metre of `rms_m`: 2 cm come with 0.4 degrees."""
+    """RMS of the rotation error about each axis, per metre of `rms_m`: 2 cm come with 0.4 degrees."""
     walk_share: float = 0.6
     """Share of the variance that is a random walk with its loop closed (Brownian bridge)."""
     jump_share: float = 0.0
@@ -58,7 +58,7 @@ def regime(name: str) -> Registration:
     """
     if name not in REGIMES:
         raise ConfigError(
-            f"simulate: unknown registration '{name}'; need one of {', '.join(REGIMES)}. Fix: choose one of these."
+            f"simulate: unknown registration '{name}'; need one of {', '.join(REGIMES)}. Fix: choose one."
         )
     return Registration(rms_m=REGIMES[name])
 

@@ -57,7 +57,7 @@ class Opening:
     top_m: float
     view_m: float | None = None
     """What is seen through it where no room is behind: a corridor (door) or a facade (window) at this
-    distance; None for nothing, no return at all."""
+    distance; None for nothing, no return at all. It must not reach into the scene's own rooms."""
     glazed: bool = False
     reach_m: float = 0.35
     """Walls whose plane is this near to `centre_m` are pierced; more than a wall's thickness."""

@@ -94,8 +94,8 @@ class Sensor:
         """
         if step < 1 or min(self.columns, self.rows) // step < 2:
             raise ConfigError(
-                f"simulate: pixel step {step} for {self.columns} x {self.rows} pixels; need 1 or more, and at "
-                "least two pixels left. Fix: a smaller step."
+                f"simulate: pixel step {step} for {self.columns} x {self.rows} pixels; need 1 or more, and "
+                "at least two pixels left. Fix: a smaller step."
             )
         return replace(
             self,

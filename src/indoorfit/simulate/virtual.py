@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from indoorfit.model import Frame, Scan, Shape
+from indoorfit.model import Frame, Scan, SensorFrame, Shape
 
 
 @dataclass(frozen=True)
@@ -23,3 +23,5 @@ class VirtualScan:
     jambs of doors and everything outside."""
     manhattan: bool = True
     """False where the room has surfaces that `shape` cannot hold (oblique walls)."""
+    true_frames: tuple[SensorFrame, ...] = ()
+    """Where the sensor really was; `scan.frames` holds what the registration believed."""

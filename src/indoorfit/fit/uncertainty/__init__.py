@@ -2,6 +2,8 @@
 
 from .cells import Cells as Cells
 from .cells import Contrasts as Contrasts
+from .chains import ChainDiagnostics as ChainDiagnostics
+from .chains import SamplerConfig as SamplerConfig
 from .clusters import ClusterRobust as ClusterRobust
 from .clusters import cluster_robust as cluster_robust
 from .clusters import independent_points as independent_points
@@ -9,6 +11,8 @@ from .clusters import point_noise_floor as point_noise_floor
 from .fusion import FusedPredictive as FusedPredictive
 from .fusion import FusionConfig as FusionConfig
 from .fusion import fuse as fuse
+from .hyper_sampler import SampledPredictive as SampledPredictive
+from .hyper_sampler import sample_wall_field as sample_wall_field
 from .pose_field import FrameSlips as FrameSlips
 from .pose_field import PoseFieldConfig as PoseFieldConfig
 from .pose_field import pose_field_predictive as pose_field_predictive

@@ -43,46 +43,73 @@ def find_mode(
     objective: Objective,
     start: Float[np.ndarray, " hyper"],
     bounds: Float[np.ndarray, "hyper 2"],
+    tolerance: float = 1e-7,
     max_evaluations: int = 60,
 ) -> tuple[Float[np.ndarray, " hyper"], bool]:
-    """Peak of the log posterior inside the bounds; the flag says whether the search stood still."""
+    """Peak of the log posterior inside the bounds; the flag says whether the search stood still.
+
+    Args:
+        objective: log posterior and gradient.
+        start, bounds: of the search.
+        tolerance: relative change of the log posterior that ends it; 1e-7 is a small part of a nat.
+        max_evaluations: of the objective.
+    """
 
     def negative(point: Float[np.ndarray, " hyper"]) -> tuple[float, Float[np.ndarray, " hyper"]]:
         value, gradient = objective(point)
         return -value, -gradient
 
-    # 1e-7 relative: the draws need the peak to a small part of a nat.
     found = optimize.minimize(
         negative,
         np.clip(start, bounds[:, 0], bounds[:, 1]),
         jac=True,
         method="L-BFGS-B",
         bounds=bounds,
-        options={"maxfun": max_evaluations, "ftol": 1e-7, "gtol": 1e-3},
+        options={"maxfun": max_evaluations, "ftol": tolerance, "gtol": 1e-3},
     )
     return found.x, bool(found.success)
 
 
-def laplace_mode(
-    objective: Objective,
+def hessian_from_gradients(
+    objective: Objective, point: Float[np.ndarray, " hyper"], step: float = 1e-3
+) -> Float[np.ndarray, "hyper hyper"]:
+    """Curvature of an objective with an exact gradient."""
+    _, here = objective(point)
+    rows = [(objective(point + move)[1] - here) / step for move in step * np.eye(len(point))]
+    hessian = np.array(rows)
+    return 0.5 * (hessian + hessian.T)
+
+
+def hessian_from_values(
+    log_posterior: Callable[[Float[np.ndarray, " hyper"]], float],
     point: Float[np.ndarray, " hyper"],
+    step: float = 0.02,
+) -> Float[np.ndarray, "hyper hyper"]:
+    """Curvature by one-sided second differences: good to some per cent, enough for a proposal."""
+    size = len(point)
+    moves = step * np.eye(size)
+    here = log_posterior(point)
+    single = np.array([log_posterior(point + move) for move in moves])
+    hessian = np.empty((size, size))
+    for i in range(size):
+        for j in range(i + 1):
+            pair = log_posterior(point + moves[i] + moves[j])
+            hessian[i, j] = hessian[j, i] = (pair - single[i] - single[j] + here) / step**2
+    return hessian
+
+
+def laplace_mode(
+    point: Float[np.ndarray, " hyper"],
+    hessian: Float[np.ndarray, "hyper hyper"],
     prior_stds: Float[np.ndarray, " hyper"],
     converged: bool,
 ) -> HyperMode:
-    """Curvature at the peak from differences of the gradient.
+    """Gaussian width at the peak from the curvature of the log posterior.
 
     Directions in which the posterior is no narrower than the prior (or curves the wrong way, as at a bound)
     get the prior's width: the importance weights put right what this gets wrong.
     """
-    size = len(point)
-    step = 1e-3
-    _, here = objective(point)
-    hessian = np.empty((size, size))
-    for k in range(size):
-        _, moved = objective(point + step * np.eye(size)[k])
-        hessian[k] = (here - moved) / step
-    scaled = prior_stds[:, None] * (0.5 * (hessian + hessian.T)) * prior_stds
-    curvatures, vectors = np.linalg.eigh(scaled)
+    curvatures, vectors = np.linalg.eigh(-prior_stds[:, None] * hessian * prior_stds)
     widths = 1.0 / np.sqrt(np.maximum(curvatures, 1.0))
     return HyperMode(point, prior_stds[:, None] * vectors * widths, converged)
 
@@ -90,7 +117,7 @@ def laplace_mode(
 def draw_student_t(
     mode: HyperMode, draws: int, dof: float, rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "draws hyper"], Float[np.ndarray, " draws"]]:
-    """Draws of a Student-t around the mode and their log densities up to a constant.
+    """Draws of a Student-t (a Gaussian for infinite `dof`) around the mode, with their log densities.
 
     The draws come in mirrored pairs: with two dozen of them this halves the noise of everything that is
     nearly linear in the hyper-parameters, and costs nothing.
@@ -98,9 +125,10 @@ def draw_student_t(
     size = len(mode.point)
     half = (draws + 1) // 2
     normal = rng.standard_normal((half, size))
-    stretch = np.sqrt(dof / rng.chisquare(dof, half))
+    stretch = np.sqrt(dof / rng.chisquare(dof, half)) if np.isfinite(dof) else np.ones(half)
     offsets = np.concatenate([normal * stretch[:, None], -normal * stretch[:, None]])[:draws]
-    log_density = -0.5 * (dof + size) * np.log1p(np.sum(offsets**2, axis=1) / dof)
+    square = np.sum(offsets**2, axis=1)
+    log_density = -0.5 * (dof + size) * np.log1p(square / dof) if np.isfinite(dof) else -0.5 * square
     return mode.point + offsets @ mode.root.T, log_density
 
 

@@ -12,7 +12,15 @@ from jaxtyping import Float
 
 from .cells import Cells, Contrasts
 from .field import LOG_ETA, LOG_LENGTH, LOG_TAU, Field, FieldFit, block_covariance, build_field, evaluate, log_likelihoods
-from .laplace import HyperDraws, HyperMode, draw_student_t, find_mode, laplace_mode, truncated_weights
+from .laplace import (
+    HyperDraws,
+    HyperMode,
+    draw_student_t,
+    find_mode,
+    hessian_from_gradients,
+    laplace_mode,
+    truncated_weights,
+)
 from .location import MAD_TO_STD, student_t_precisions, weighted_map
 from .predictive import Predictive
 from .wall_noise import describe_wall_noise
@@ -114,7 +122,8 @@ def fit_wall_field(cells: Cells, config: WallFieldConfig) -> WallFieldFit:
         if same:
             break
         point, converged = find_mode(objective, point, bounds)
-    return WallFieldFit(field, inflation, laplace_mode(objective, point, stds, converged))
+    hessian = hessian_from_gradients(objective, point)
+    return WallFieldFit(field, inflation, laplace_mode(point, hessian, stds, converged))
 
 
 def _screen(

@@ -1,0 +1,105 @@
+"""All settings of a run in one place, and TOML files that change them."""
+
+import dataclasses
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import cattrs
+from cattrs.gen import make_dict_structure_fn
+
+from indoorfit.classify import ClassifyConfig
+from indoorfit.discover import DiscoverConfig
+from indoorfit.errors import ConfigError
+from indoorfit.fit import IntervalConfig, JointConfig
+from indoorfit.orient import OrientConfig
+from indoorfit.segment import SegmentConfig
+from indoorfit.thin import SurfelConfig, ThinConfig
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """Settings of one fit. Every field has a default with a stated reason; a TOML file may change any."""
+
+    method: Literal["joint", "greedy"] = "joint"
+    """`joint` minimises all residuals together; `greedy` is the thesis' own procedure."""
+    level: float = 0.95
+    """Nominal coverage of the intervals, between 0.5 and 0.999."""
+    seed: int = 0
+    """Seed of everything random: the same seed gives the same bytes."""
+    thin: ThinConfig = field(default_factory=ThinConfig)
+    surfels: SurfelConfig = field(default_factory=SurfelConfig)
+    orient: OrientConfig = field(default_factory=OrientConfig)
+    segment: SegmentConfig = field(default_factory=SegmentConfig)
+    classify: ClassifyConfig = field(default_factory=ClassifyConfig)
+    discover: DiscoverConfig = field(default_factory=DiscoverConfig)
+    joint: JointConfig = field(default_factory=JointConfig)
+    intervals: IntervalConfig = field(default_factory=IntervalConfig)
+
+    def __post_init__(self) -> None:
+        if not 0.5 <= self.level <= 0.999:
+            raise ConfigError(f"level: got {self.level}; needed a number from 0.5 to 0.999, such as 0.95.")
+        if self.seed < 0:
+            raise ConfigError(f"seed: got {self.seed}; needed a whole number that is not negative.")
+
+
+def load_config(path: str | Path) -> RunConfig:
+    """Read a TOML file of settings.
+
+    Args:
+        path: tables are named as the fields of `RunConfig`, e.g. ``[discover.candidates]``.
+
+    Raises:
+        ConfigError: no such file, no TOML, an unknown key, or a value of the wrong type.
+    """
+    name = Path(path).name
+    try:
+        settings = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror}). Fix: check the path.") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{name}: not TOML ({error}). Fix: see the files in configs/.") from error
+    return config_from_dict(settings, name)
+
+
+def config_from_dict(settings: dict[str, Any], name: str = "settings") -> RunConfig:
+    """Settings as nested dictionaries; unknown keys are errors.
+
+    Raises:
+        ConfigError: naming every key that is wrong.
+    """
+    try:
+        return _converter().structure(settings, RunConfig)
+    except cattrs.BaseValidationError as error:
+        problems = "; ".join(cattrs.transform_error(error, path=name))
+        raise ConfigError(f"{problems}. Fix: see `indoorfit fit --help` for the settings.") from error
+
+
+def config_to_dict(config: RunConfig) -> dict[str, Any]:
+    """Plain nested dictionaries, as recorded in the provenance."""
+    return dataclasses.asdict(config)
+
+
+def _converter() -> cattrs.Converter:
+    converter = cattrs.Converter(forbid_extra_keys=True)
+    # Numbers must be numbers: the default would turn "5" and true into floats without a word.
+    converter.register_structure_hook(float, _number)
+    converter.register_structure_hook(int, _whole)
+    converter.register_structure_hook_factory(
+        dataclasses.is_dataclass,
+        lambda kind: make_dict_structure_fn(kind, converter, _cattrs_forbid_extra_keys=True),
+    )
+    return converter
+
+
+def _number(value: Any, _: type) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"got {value!r}, needed a number")
+    return float(value)
+
+
+def _whole(value: Any, _: type) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"got {value!r}, needed a whole number")
+    return value

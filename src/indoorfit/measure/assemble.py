@@ -1,0 +1,176 @@
+"""The survey, the fit and its uncertainty put together as the result that people read."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from indoorfit.model import (
+    Dimension,
+    Face,
+    FitResult,
+    Frame,
+    Interval,
+    Method,
+    Note,
+    PlaneStatus,
+    Quantity,
+    Room,
+    RoomMesh,
+    Shape,
+)
+
+from .survey import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
+
+
+@dataclass(frozen=True)
+class PlaneEvidence:
+    """What the fit says of every plane."""
+
+    n_points: np.ndarray
+    """(planes,) points claimed."""
+    coverage: Float[np.ndarray, " planes"]
+    rms_m: Float[np.ndarray, " planes"]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Standard uncertainty and interval of every measurand, in the order of `measurands`."""
+
+    std: Float[np.ndarray, " measurands"]
+    low: Float[np.ndarray, " measurands"]
+    high: Float[np.ndarray, " measurands"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the run as a whole has to say."""
+
+    method: Method
+    level: float
+    noise: Mapping[str, Any]
+    notes: tuple[Note, ...]
+    provenance: Mapping[str, Any]
+    converged: bool
+
+
+def measurands(found: Survey, n_planes: int) -> tuple[Measurand, ...]:
+    """Everything that needs an interval: dimensions, room quantities, then every plane offset itself."""
+    dimensions = [dimension.measurand for dimension in found.dimensions]
+    rooms = [m for room in found.rooms for m in (room.floor_area, room.volume, room.perimeter)]
+    offsets = [Measurand(0.0, row) for row in np.eye(n_planes)]
+    return tuple(dimensions + rooms + offsets)
+
+
+def assemble(
+    shape: Shape, frame: Frame, found: Survey, evidence: PlaneEvidence, spread: Spread, verdict: Verdict
+) -> FitResult:
+    """Build the result.
+
+    Args:
+        shape: fitted grammar.
+        frame: fitted pose.
+        found: what there is to measure.
+        evidence: per plane.
+        spread: per measurand, in the order of `measurands`.
+        verdict: method, noise, warnings, provenance.
+    """
+    quantities = [
+        Quantity(m.value, float(std), Interval(verdict.level, float(low), float(high)))
+        for m, std, low, high in zip(
+            measurands(found, len(shape.planes)), spread.std, spread.low, spread.high, strict=True
+        )
+    ]
+    n = len(found.dimensions)
+    n_rooms = 3 * len(found.rooms)
+    offsets = quantities[n + n_rooms :]
+    return FitResult(
+        method=verdict.method,
+        level=verdict.level,
+        frame=frame,
+        shape=shape,
+        rooms=tuple(_room(room, quantities[n + 3 * k : n + 3 * k + 3]) for k, room in enumerate(found.rooms)),
+        faces=tuple(_face(face, shape, frame, evidence, offsets) for face in found.faces),
+        dimensions=tuple(
+            _dimension(dimension, _letters(k), quantities[k], shape, frame)
+            for k, dimension in enumerate(found.dimensions)
+        ),
+        meshes=tuple(_mesh(room, found, frame) for room in found.rooms),
+        noise=verdict.noise,
+        notes=verdict.notes,
+        provenance=verdict.provenance,
+        converged=verdict.converged,
+    )
+
+
+def _letters(k: int) -> str:
+    """0, 1, ... as A, B, ..., Z, AA, AB, ..."""
+    name = ""
+    k += 1
+    while k > 0:
+        k, letter = divmod(k - 1, 26)
+        name = chr(ord("A") + letter) + name
+    return name
+
+
+def _room(room: NamedRoom, quantities: Sequence[Quantity]) -> Room:
+    floor_area, volume, perimeter = quantities
+    return Room(room.id, room.cube, floor_area, volume, perimeter)
+
+
+def _face(
+    face: NamedFace, shape: Shape, frame: Frame, evidence: PlaneEvidence, offsets: Sequence[Quantity]
+) -> Face:
+    plane = shape.planes[face.polygon.plane]
+    inward = np.zeros(3)
+    inward[plane.axis] = -plane.outward
+    k = face.polygon.plane
+    return Face(
+        id=face.id,
+        kind=face.kind,
+        face_class=plane.face_class,
+        room=face.room,
+        cube=face.cube,
+        side=face.side,
+        plane=k,
+        normal=frame.directions_to_scan(inward),
+        rings_m=tuple(frame.to_scan(ring) for ring in face.polygon.rings_m),
+        offset_std_m=offsets[k].std,
+        n_points=int(evidence.n_points[k]),
+        coverage=float(evidence.coverage[k]),
+        rms_m=float(evidence.rms_m[k]),
+        status=plane.status,
+    )
+
+
+def _dimension(
+    dimension: NamedDimension, letters: str, quantity: Quantity, shape: Shape, frame: Frame
+) -> Dimension:
+    inferred = any(shape.planes[k].status == "inferred" for k in dimension.planes)
+    status: PlaneStatus = "inferred" if inferred else "observed"
+    return Dimension(
+        id=letters,
+        kind=dimension.kind,
+        room=dimension.room,
+        faces=dimension.faces,
+        wall=dimension.wall,
+        from_m=frame.to_scan(dimension.from_m),
+        to_m=frame.to_scan(dimension.to_m),
+        quantity=quantity,
+        status=status,
+    )
+
+
+def _mesh(room: NamedRoom, found: Survey, frame: Frame) -> RoomMesh:
+    """The solid turned inside out, in the scan frame, with the face of every triangle."""
+    face_ids = [""] * len(room.solid.triangles)
+    for face in found.faces:
+        if face.room == room.id:
+            for triangle in face.polygon.triangles:
+                face_ids[int(triangle)] = face.id
+    assert all(face_ids), "every triangle belongs to a face"
+    return RoomMesh(
+        room.id, frame.to_scan(room.solid.vertices_m), room.solid.triangles[:, ::-1].copy(), tuple(face_ids)
+    )

@@ -1,0 +1,151 @@
+"""The only place that knows the order of the stages: from a scan to a measured model."""
+
+import logging
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from indoorfit.classify import classify
+from indoorfit.config import RunConfig
+from indoorfit.discover import discover
+from indoorfit.fit import Cells, PatchData, associate, build_cells, fit_joint, intervals
+from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
+from indoorfit.orient import orient
+from indoorfit.segment import grow_surfaces
+from indoorfit.solid import face_polygons, subtract_cubes
+from indoorfit.thin import surfels, thin
+
+from .provenance import Stopwatch, provenance
+
+log = logging.getLogger("indoorfit")
+
+
+def fit_scan(scan: Scan, config: RunConfig | None = None) -> FitResult:
+    """Turn a scan into a watertight model with dimensions and intervals.
+
+    read -> **thin -> orient -> segment -> classify -> discover -> fit -> uncertainty -> solid -> measure**
+
+    Args:
+        scan: metres, any pose.
+        config: settings; the defaults fit rooms scanned by hand-held depth cameras and by lasers.
+
+    Raises:
+        InputError: the cloud cannot be a room; the message says why and what to do.
+    """
+    config = config or RunConfig()
+    rng = np.random.default_rng(config.seed)
+    watch = Stopwatch()
+    with watch.stage("thin"):
+        voxels = thin(scan, config.thin)
+        local = surfels(voxels, config.surfels)
+    log.info("thin: %d points in %d voxels of %.1f cm", scan.n_points, voxels.n_voxels, 100 * voxels.voxel_m)
+    with watch.stage("orient"):
+        frame, orient_notes = orient(local, voxels.origin_m, config.orient, rng)
+        local = _turned(local, frame)
+    with watch.stage("segment"):
+        segments = grow_surfaces(local, config.segment)
+        classes = classify(segments, config.classify)
+    log.info("segment: %d surfaces", segments.n_segments)
+    fitted = _fit(scan, frame, voxels, local, segments, classes, config, rng, watch)
+    return _measure(scan, fitted, (*scan.notes, *orient_notes), config, rng, watch)
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """What either way of fitting hands on."""
+
+    shape: Shape
+    frame: Frame
+    patches: PatchData
+    cells: Cells
+    pixel_m: float
+    notes: tuple[Note, ...]
+    converged: bool
+
+
+def _turned(local: Surfels, frame: Frame) -> Surfels:
+    """Surfels from the scan's axes to the Manhattan frame."""
+    rotation = frame.R_manhattan_scan.T
+    return replace(local, positions_m=local.positions_m @ rotation, normals=local.normals @ rotation)
+
+
+def _fit(
+    scan: Scan,
+    frame: Frame,
+    voxels: VoxelCloud,
+    local: Surfels,
+    segments: Segments,
+    classes: tuple[FaceClass | None, ...],
+    config: RunConfig,
+    rng: np.random.Generator,
+    watch: Stopwatch,
+) -> _Fitted:
+    # Four surfels a square on average: the finest raster in which a full surface has no holes.
+    pixel_m = 2.0 * float(np.sqrt(local.area_m2))
+    with watch.stage("discover"):
+        start, notes = discover(local, segments, classes, config.discover)
+    log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
+    with watch.stage("fit"):
+        joint = fit_joint(scan, frame, start, config.joint, pixel_m)
+    log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
+    return _Fitted(joint.shape, joint.frame, joint.patches, joint.cells, pixel_m, notes, joint.converged)
+
+
+def _measure(
+    scan: Scan,
+    fitted: _Fitted,
+    notes: tuple[Note, ...],
+    config: RunConfig,
+    rng: np.random.Generator,
+    watch: Stopwatch,
+) -> FitResult:
+    shape = fitted.shape
+    with watch.stage("solid"):
+        solids = [subtract_cubes(shape, room) for room in shape.rooms]
+        found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+    with watch.stage("intervals"):
+        wanted = measurands(found, len(shape.planes))
+        spread = intervals(
+            fitted.cells,
+            shape,
+            np.array([measurand.value for measurand in wanted]),
+            np.stack([measurand.gradient for measurand in wanted]),
+            fitted.pixel_m,
+            config.level,
+            config.intervals,
+            rng,
+        )
+    closed = all(solid.is_closed for solid in solids)
+    patches = fitted.patches
+    return assemble(
+        shape,
+        fitted.frame,
+        found,
+        PlaneEvidence(patches.plane_points, patches.coverage, patches.plane_rms_m),
+        Spread(spread.std, spread.low, spread.high),
+        Verdict(
+            method=config.method,
+            level=config.level,
+            noise=spread.noise,
+            notes=(*notes, *fitted.notes, *face_notes(shape, found), *_doubts(closed, fitted.converged)),
+            provenance=provenance(scan, config, watch),
+            converged=closed and fitted.converged,
+        ),
+    )
+
+
+def _doubts(closed: bool, converged: bool) -> tuple[Note, ...]:
+    """The two ways in which a model can be written and yet not be sound (exit code 3)."""
+    notes = []
+    if not closed:
+        notes.append(Note("NOT_CLOSED", "A room's solid is not closed or not in one piece; do not use its volume."))
+    if not converged:
+        notes.append(
+            Note(
+                "NOT_CONVERGED",
+                "The fit did not come to rest: points keep changing between planes. Fix: raise "
+                "joint.max_rounds, or look at the plan for a wall that is not there.",
+            )
+        )
+    return tuple(notes)

@@ -1,0 +1,34 @@
+"""A result written to a directory, whole or not at all."""
+
+from pathlib import Path
+
+from indoorfit.export import write_dimensions_csv, write_glb, write_obj, write_vrml
+from indoorfit.io import atomic_directory, write_model_json
+from indoorfit.model import FitResult, Scan
+from indoorfit.report import plan_svg, render_png, report_html, write_plan_png
+
+
+def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *, overwrite: bool) -> None:
+    """Write model.json, GLB, VRML, OBJ, the dimension table, the plan, a view and the report.
+
+    Args:
+        result: what to write.
+        directory: created; its parents too.
+        scan: drawn faintly behind the plan where given.
+        overwrite: replace an earlier result in the same place.
+
+    Raises:
+        OutputError: the directory exists without `overwrite`, or cannot be written.
+    """
+    points_m = None if scan is None else scan.points_m
+    with atomic_directory(directory, overwrite=overwrite) as out:
+        write_model_json(out / "model.json", result)
+        write_glb(out / "model.glb", result)
+        write_vrml(out / "model.wrl", result)
+        write_obj(out / "model.obj", result)
+        write_dimensions_csv(out / "dimensions.csv", result)
+        drawing = plan_svg(result, points_m)
+        (out / "plan.svg").write_text(drawing, encoding="utf-8")
+        write_plan_png(out / "plan.png", result, points_m)
+        render_png(out / "view.png", result)
+        (out / "report.html").write_text(report_html(result, drawing), encoding="utf-8")
