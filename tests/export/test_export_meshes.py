@@ -12,13 +12,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from rooms import BOX, FLAT, L_ROOM, RAGGED, U_ROOM, X_ROOM, make_result, plan_area_m2
+from rooms import BOX, FLAT, L_ROOM, PILLAR, RAGGED, U_ROOM, X_ROOM, make_result, plan_area_m2
 
 from indoorfit.errors import OutputError
 from indoorfit.export import write_dimensions_csv, write_glb, write_obj, write_vrml
 from indoorfit.model import FitResult, Frame
 
-HOUSES = {"box": (BOX,), "l": (L_ROOM,), "u": (U_ROOM,), "x": (X_ROOM,), "ragged": (RAGGED,), "flat": FLAT}
+HOUSES = {
+    "box": (BOX,),
+    "l": (L_ROOM,),
+    "u": (U_ROOM,),
+    "x": (X_ROOM,),
+    "ragged": (RAGGED,),
+    "pillar": (PILLAR,),
+    "flat": FLAT,
+}
 WRITERS = {"glb": write_glb, "wrl": write_vrml, "obj": write_obj, "csv": write_dimensions_csv}
 
 # Vertices are within 10 m of the origin: half a unit in the last place of float32 is 5e-7 m, and a

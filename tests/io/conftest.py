@@ -24,7 +24,7 @@ from indoorfit.model import (
 def scan() -> Scan:
     """200 points in a room of 4 x 5 x 2.5 m at map coordinates, with colours and frames."""
     rng = np.random.default_rng(7)
-    points_m = rng.uniform(0, (4, 5, 2.5), size=(200, 3)) + (532_145.25, 5_801_223.5, 34.125)
+    points_m = rng.uniform(0, (4, 5, 2.5), size=(200, 3)) + np.array([532_145.25, 5_801_223.5, 34.125])
     colours = rng.integers(0, 256, size=(200, 3), dtype=np.uint8)
     return Scan(points_m, colours, np.arange(200) // 50)
 
@@ -70,7 +70,7 @@ def result() -> FitResult:
         faces=faces,
         dimensions=(dimension,),
         meshes=(),
-        noise={"sigma_m": np.float64(0.005), "knots": np.array([1.0, np.nan]), "explanation": "Größe σ"},
+        noise={"sigma_m": np.float64(0.005), "knots": np.array([1.0, np.nan]), "explanation": "Größe"},
         notes=(Note("WALL_INFERRED", "wall-8 has no points."),),
         provenance={"version": "0.1.0", "input": {"name": "scan.ply", "sha256": None}, "seed": 1},
         converged=True,

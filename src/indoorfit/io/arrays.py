@@ -1,9 +1,11 @@
 """Reading NumPy files. Pickled objects are never loaded: they can run code."""
 
+import re
 import zipfile
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 
@@ -15,7 +17,7 @@ _POINT_KEYS = ("points", "xyz")
 _COLOUR_KEYS = ("colours", "colors", "rgb")
 
 # The array header is a Python literal, so a damaged one can fail in as many ways as a program can.
-_DAMAGE = (ValueError, TypeError, SyntaxError, OverflowError, EOFError, OSError)
+_DAMAGE = (ValueError, TypeError, SyntaxError, TokenError, OverflowError, MemoryError, EOFError, OSError)
 
 
 def read_npy(path: Path) -> RawCloud:
@@ -123,4 +125,8 @@ def _pick(members: dict[str, str], keys: Sequence[str]) -> str | None:
 def _short(error: Exception) -> str:
     # NumPy's own messages advise allow_pickle, which is what must not happen.
     text = str(error).split("\n")[0]
-    return "it holds pickled objects, which are not loaded" if "pickle" in text.lower() else text[:120]
+    return (
+        "it holds pickled objects, which are not loaded"
+        if re.search("pickle|Python object", text)
+        else text[:120]
+    )

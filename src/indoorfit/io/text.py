@@ -97,7 +97,7 @@ def _read_preamble(path: Path) -> _Preamble:
                 raise InputError(
                     f"{path.name}, line {number}: found {stripped[:40]!r}; a point is needed. {_FIX}"
                 )
-    return _Preamble(TableLayout(3), None, promised)
+    return _Preamble(TableLayout(3, comments=_COMMENTS), None, promised)
 
 
 def _preamble(

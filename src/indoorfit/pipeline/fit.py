@@ -4,6 +4,7 @@ import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from indoorfit.classify import classify
 from indoorfit.config import RunConfig
@@ -33,7 +34,12 @@ def fit_scan(scan: Scan, config: RunConfig | None = None) -> FitResult:
     Raises:
         InputError: the cloud cannot be a room; the message says why and what to do.
     """
-    config = config or RunConfig()
+    # The matrices are small: with more than one BLAS thread waking them takes most of the time.
+    with threadpool_limits(1, "blas"):
+        return _run(scan, config or RunConfig())
+
+
+def _run(scan: Scan, config: RunConfig) -> FitResult:
     rng = np.random.default_rng(config.seed)
     watch = Stopwatch()
     with watch.stage("thin"):

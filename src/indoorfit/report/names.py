@@ -50,6 +50,7 @@ def _roomiest(room: Room, outline: Outline, board: Board, lines) -> tuple[float,
     """The point of a grid whose text is inside the room and farthest from everything."""
     x0, y0, x1, y1 = outline.room_box(room.id)
     best, clearance = None, 0.0
+    walls = [wall.box() for wall in outline.walls if wall.room == room.id]
     middle = np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1)])
     for x in np.linspace(x0, x1, 17)[1:-1]:
         for y in np.linspace(y0, y1, 17)[1:-1]:
@@ -60,7 +61,7 @@ def _roomiest(room: Room, outline: Outline, board: Board, lines) -> tuple[float,
             if outline.room_at(float(x), float(y)) != room.id:
                 continue
             # Distance of the text to the nearest wall; a little pull to the middle settles ties.
-            free = min(_distance(box, wall.box()) for box in boxes for wall in outline.walls)
+            free = min(_distance(box, wall) for box in boxes for wall in walls)
             free -= 0.05 * float(np.hypot(*(middle - (x, y))))
             if best is None or free > clearance:
                 best, clearance = (float(x), float(y)), free
@@ -85,18 +86,7 @@ def name_walls(outline: Outline, board: Board, short: bool) -> Iterator[Item]:
         text = f"{wall.id} inferred" if wall.inferred else wall.id
         if short != (1.6 * text_width(text, _WALL_SIZE) > wall.high - wall.low):
             continue
-        best = None
-        least = COLLISION
-        for at, upright, taste in _places(wall, text_width(text, _WALL_SIZE)):
-            box = text_box(at, text_width(text, _WALL_SIZE), _WALL_SIZE, "middle", upright)
-            cost = taste + board.cost(Marks(texts=(box,)))
-            # A name inside another room would be read as that room's.
-            cost += 200.0 * (outline.room_at(*at) not in (None, wall.room))
-            # ... and one clearly nearer to another wall as that wall's.
-            own = _distance(box, wall.box()) - 2.0
-            cost += 60.0 * any(_distance(box, other.box()) < own for other in outline.walls if other != wall)
-            if cost < least:
-                best, least = (at, upright, box, taste), cost
+        best = _best_name(wall, text, outline, board)
         if best is None:
             continue
         at, upright, box, taste = best
@@ -106,6 +96,29 @@ def name_walls(outline: Outline, board: Board, short: bool) -> Iterator[Item]:
             yield Stroke(np.array([_middle(wall), _nearest(box, _middle(wall))]), colour, 0.6)
         background = FLOOR if outline.room_at(*at) else "#ffffff"
         yield Label(text, at, _WALL_SIZE, colour, "middle", upright, halo=background)
+
+
+def _best_name(
+    wall: WallLine, text: str, outline: Outline, board: Board
+) -> tuple[tuple[float, float], bool, Box, float] | None:
+    """The cheapest place for a wall's name: anchor, whether upright, box and taste."""
+    width = text_width(text, _WALL_SIZE)
+    best, least = None, COLLISION
+    for at, upright, taste in sorted(_places(wall, width), key=lambda place: place[2]):
+        if taste >= least:
+            break
+        box = text_box(at, width, _WALL_SIZE, "middle", upright)
+        cost = taste + board.cost(Marks(texts=(box,)))
+        if cost >= least:
+            continue
+        # A name inside another room would be read as that room's.
+        cost += 200.0 * (outline.room_at(*at) not in (None, wall.room))
+        # ... and one clearly nearer to another wall as that wall's.
+        own = _distance(box, wall.box()) - 2.0
+        cost += 60.0 * any(_distance(box, other.box()) < own for other in outline.walls if other != wall)
+        if cost < least:
+            best, least = (at, upright, box, taste), cost
+    return best
 
 
 _LEADER = 40.0

@@ -58,6 +58,8 @@ class Outline:
     walls: tuple[WallLine, ...]
     floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]
     """By room, the floor polygons with their holes."""
+    floor_boxes: dict[str, Box]
+    """By room, the bounds of its floor polygons."""
     z_range_m: tuple[float, float]
     """Lowest floor and highest ceiling, Manhattan frame."""
 
@@ -92,6 +94,10 @@ class Outline:
     def room_at(self, x: float, y: float) -> str | None:
         """The room that holds a point of the page."""
         for room, polygons in self.floors.items():
+            left, top, right, bottom = self.floor_boxes[room]
+            # The bounds spare most of the work in a house of many rooms.
+            if not (left <= x <= right and top <= y <= bottom):
+                continue
             if any(_inside(rings, x, y) for rings in polygons):
                 return room
         return None
@@ -123,7 +129,7 @@ def outline_of(result: FitResult) -> Outline:
         if face.kind == "wall"
     )
     z_range_m = (float(everything[:, 2].min()), float(everything[:, 2].max()))
-    return Outline(scale, walls, floors, z_range_m)
+    return Outline(scale, walls, floors, _boxes(floors), z_range_m)
 
 
 def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> WallLine:
@@ -134,6 +140,16 @@ def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corner
     return WallLine(
         face.id, face.room, plane.axis, at, float(low), float(high), outward, face.status == "inferred"
     )
+
+
+def _boxes(floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]) -> dict[str, Box]:
+    boxes: dict[str, Box] = {}
+    for room, polygons in floors.items():
+        corners = np.array([corner for rings in polygons for ring in rings for corner in ring]).reshape(-1, 2)
+        x0, y0 = corners.min(axis=0, initial=np.inf).tolist()
+        x1, y1 = corners.max(axis=0, initial=-np.inf).tolist()
+        boxes[room] = (x0, y0, x1, y1)
+    return boxes
 
 
 def _inside(rings: tuple[Float[np.ndarray, "_ 2"], ...], x: float, y: float) -> bool:

@@ -253,6 +253,8 @@ def _dirty(
     for kind in ["patch"] * int(rng.integers(2, 6)) + ["furniture"] * 2 + ["window"] * 2:
         plane = int(rng.integers(2, planes))
         size = rng.uniform(0.3, 1.2, 3) * (2.0 if kind != "patch" else 1.0)
+        # A face that is more than half hidden has no position: a fit measures what hides it.
+        size = np.minimum(size, 0.6 * (walls.high_m[plane] - walls.low_m[plane]))
         low = rng.uniform(walls.low_m[plane], np.maximum(walls.high_m[plane] - size, walls.low_m[plane] + 1e-9))
         if kind == "furniture":
             low[2] = walls.low_m[0, 2]

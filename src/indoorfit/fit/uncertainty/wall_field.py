@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from .cells import Cells, Contrasts
+from .cells import ROTATIONS, Cells, Contrasts
 from .field import LOG_ETA, LOG_LENGTH, LOG_TAU, Field, FieldFit, block_covariance, build_field, evaluate, log_likelihoods
 from .laplace import (
     HyperDraws,
@@ -46,6 +46,10 @@ class WallFieldConfig:
     """Hard bound: beyond the size of a wall the field runs away into widths of metres."""
     tau_max_m: float = 0.37
     """Hard bound: a wall that wanders by more is no wall."""
+    face_share: float = 0.3
+    """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
+    prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
+    shows. Floor and ceiling are in view all along. 0 is right where every wall was passed twice or more."""
     screen_sigmas: float = 3.0
     """Cells whose left-out residual exceeds this many robust sigmas count as contaminated."""
     screen_sweeps: int = 3
@@ -147,6 +151,7 @@ def sandwich_predictive(
         part = linear[:, block.rows]
         for covariance, phi in zip(covariances, hyper.points, strict=True):
             covariance += part @ block_covariance(block, phi, fit.inflation_m2) @ part.T
+    _add_face_offsets(covariances, cells, hyper, config)
     theta = contrasts.estimate + linear @ cells.residuals_m
     return Predictive(
         weights=hyper.weights,
@@ -156,6 +161,23 @@ def sandwich_predictive(
         contrasts=contrasts.matrix,
         noise=describe_wall_noise(hyper, prior_moments(config)[1], fit.inflation_m2, fit.mode.converged),
     )
+
+
+def _add_face_offsets(
+    covariances: Float[np.ndarray, "draws params params"],
+    cells: Cells,
+    hyper: HyperDraws,
+    config: WallFieldConfig,
+) -> None:
+    """Add the walls' common offsets, in place.
+
+    An offset common to a face is what its parameter is: it drops out of the restricted likelihood and of
+    every residual, and passes unchanged into the parameter's variance.
+    """
+    walls = np.unique(cells.plane[cells.axes != 2])
+    columns = ROTATIONS + walls
+    variance = config.face_share * np.exp(2 * hyper.points[:, LOG_TAU])
+    covariances[:, columns, columns] += variance[:, None]
 
 
 def gls_predictive(
@@ -172,6 +194,7 @@ def gls_predictive(
     covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
     where = np.flatnonzero(cells.seen)
     covariances[:, where[:, None], where] = step_covariances
+    _add_face_offsets(covariances, cells, hyper, config)
     noise = describe_wall_noise(hyper, prior_moments(config)[1], fit.inflation_m2, fit.mode.converged)
     return Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
 

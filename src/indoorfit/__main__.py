@@ -1,0 +1,5 @@
+"""``python -m indoorfit``."""
+
+from indoorfit.cli.main import main
+
+main()

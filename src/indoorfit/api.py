@@ -1,0 +1,73 @@
+"""The same as the command line, in a few lines of Python."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from indoorfit.config import RunConfig
+from indoorfit.io import read_scan, scan_from_arrays
+from indoorfit.model import Dimension, Face, FitResult, Note, Room, Scan
+from indoorfit.pipeline import fit_scan, write_outputs
+from indoorfit.report import dimension_table, plan_svg
+
+
+@dataclass(frozen=True)
+class RoomModel:
+    """A fitted scan: what was found, and the scan that it was found in."""
+
+    result: FitResult
+    """Everything, in the terms of the output contract."""
+    scan: Scan
+
+    @property
+    def dimensions(self) -> tuple[Dimension, ...]:
+        """All lengths with their intervals, metres."""
+        return self.result.dimensions
+
+    @property
+    def rooms(self) -> tuple[Room, ...]:
+        """Rooms with floor area, volume and perimeter."""
+        return self.result.rooms
+
+    @property
+    def faces(self) -> tuple[Face, ...]:
+        """Walls, floors and ceilings as polygons in the scan's coordinates."""
+        return self.result.faces
+
+    @property
+    def warnings(self) -> tuple[Note, ...]:
+        """What a reader of the numbers must know."""
+        return self.result.notes
+
+    def write(self, directory: str | Path, *, overwrite: bool = False) -> None:
+        """Write all output files into a directory, whole or not at all.
+
+        Raises:
+            OutputError: the directory exists without `overwrite`, or cannot be written.
+        """
+        write_outputs(self.result, directory, self.scan, overwrite=overwrite)
+
+    def __repr__(self) -> str:
+        return dimension_table(self.result)
+
+    def _repr_html_(self) -> str:
+        return plan_svg(self.result, self.scan.points_m)
+
+
+def fit(scan: Scan | np.ndarray, config: RunConfig | None = None) -> RoomModel:
+    """Turn a scan into a watertight model whose dimensions carry intervals.
+
+    Args:
+        scan: from `indoorfit.read`, or an array (n, 3) of metres.
+        config: settings; see `RunConfig`.
+
+    Raises:
+        InputError: the cloud cannot be a room; the message says why and what to do.
+    """
+    if not isinstance(scan, Scan):
+        scan = scan_from_arrays(scan)
+    return RoomModel(fit_scan(scan, config), scan)
+
+
+read = read_scan

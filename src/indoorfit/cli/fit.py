@@ -1,0 +1,78 @@
+"""``indoorfit fit``: from a scan to a model on disk."""
+
+import json
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from .runtime import set_up_logging
+
+
+@dataclass(frozen=True)
+class FitCommand:
+    """Fit a room to a scan and write model.json, GLB, VRML, OBJ, dimensions.csv, plan and report."""
+
+    scan: tyro.conf.Positional[Path]
+    """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
+    out: Path
+    """Directory to write; it must not exist, or hold an earlier result and --overwrite be given."""
+    method: Literal["joint", "greedy"] | None = None
+    """joint (default): all surfaces fitted together; greedy: the procedure of the 2013 thesis."""
+    level: float | None = None
+    """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
+    config: Path | None = None
+    """TOML file with settings; options given here win over it."""
+    unit: Literal["m", "cm", "mm", "ft", "in"] = "m"
+    """Unit of the file's coordinates."""
+    up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] | None = None
+    """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    seed: int | None = None
+    """Seed of everything random; default 0."""
+    overwrite: bool = False
+    """Replace an earlier result in the same directory."""
+    json: bool = False
+    """Print the whole model as JSON instead of the table."""
+    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    """Only warnings and errors on standard error."""
+    verbose: Annotated[bool, tyro.conf.arg(aliases=["-v"])] = False
+    """More on standard error, with the time of every stage."""
+
+    def run(self) -> int:
+        """Carry the command out; returns the exit code."""
+        set_up_logging(self.quiet, self.verbose)
+        from indoorfit.config import RunConfig, load_config
+        from indoorfit.io import check_output_directory, read_scan
+
+        check_output_directory(self.out, overwrite=self.overwrite)
+        config = load_config(self.config) if self.config else RunConfig()
+        given = {"method": self.method, "level": self.level, "seed": self.seed}
+        config = replace(config, **{name: value for name, value in given.items() if value is not None})
+        if self.up is not None:
+            config = replace(config, orient=replace(config.orient, up=self.up))
+        scan = read_scan(self.scan, unit=self.unit)
+        return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)
+
+
+def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> int:
+    """Fit, write and print; returns 0, or 3 where the model is not sound."""
+    import logging
+
+    from indoorfit.io import to_document
+    from indoorfit.pipeline import fit_scan, write_outputs
+    from indoorfit.report import dimension_table
+
+    log = logging.getLogger("indoorfit")
+    result = fit_scan(scan, config)
+    for stage, seconds in result.provenance["timings_s"].items():
+        log.debug("%s took %.2f s", stage, seconds)
+    write_outputs(result, out, scan, overwrite=overwrite)
+    if as_json:
+        json.dump(to_document(result), sys.stdout, indent=1)
+        sys.stdout.write("\n")
+    else:
+        sys.stdout.write(dimension_table(result))
+    log.info("written to %s", out)
+    return 0 if result.converged else 3

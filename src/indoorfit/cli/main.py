@@ -1,0 +1,43 @@
+"""The command ``indoorfit``."""
+
+import sys
+from typing import Annotated
+
+from .runtime import prepare_numerics
+
+prepare_numerics()
+
+import tyro  # noqa: E402  (NumPy must not be loaded before the lines above)
+
+from indoorfit.errors import IndoorfitError  # noqa: E402
+
+from .demo import DemoCommand  # noqa: E402
+from .fit import FitCommand  # noqa: E402
+from .info import InfoCommand  # noqa: E402
+from .simulate import SimulateCommand  # noqa: E402
+
+Command = (
+    Annotated[FitCommand, tyro.conf.subcommand("fit")]
+    | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
+    | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
+    | Annotated[InfoCommand, tyro.conf.subcommand("info")]
+)
+
+
+def main() -> None:
+    """Parse, run, and map errors to exit codes: 0 done, 1 user error, 2 usage, 3 model not sound."""
+    command = tyro.cli(
+        Command,
+        prog="indoorfit",
+        description="From a raw indoor point cloud to a watertight, measured room.",
+        config=(tyro.conf.FlagCreatePairsOff,),
+    )
+    try:
+        code = command.run()
+    except IndoorfitError as error:
+        sys.stderr.write(f"indoorfit: {error}\n")
+        code = 1
+    except KeyboardInterrupt:
+        sys.stderr.write("indoorfit: interrupted; nothing was written.\n")
+        code = 130
+    sys.exit(code)
