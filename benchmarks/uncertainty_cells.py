@@ -71,7 +71,9 @@ def score_room(task: tuple[int, str]) -> list[Score]:
             error = float(answer.mean[k] - truth[k])
             width = float(high[k] - low[k])
             scores.append(
-                Score(seed, method, kind, 1e3 * error, 1e3 * width, 1e3 * floor[k], hits, 1e3 * loss[k], spent)
+                Score(
+                    seed, method, kind, 1e3 * error, 1e3 * width, 1e3 * floor[k], hits, 1e3 * loss[k], spent
+                )
             )
 
     started = time.process_time()
@@ -123,7 +125,9 @@ def summarise(scores: list[Score]) -> str:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--rooms", type=int, default=200)
     parser.add_argument("--first-seed", type=int, default=1000)
     parser.add_argument("--regimes", nargs="+", default=list(REGIMES))

@@ -1,9 +1,9 @@
 """Rooms from point clouds: watertight models whose dimensions can be believed.
 
-    scan = indoorfit.read("room.ply")
-    model = indoorfit.fit(scan)
-    model.dimensions
-    model.write("out")
+scan = indoorfit.read("room.ply")
+model = indoorfit.fit(scan)
+model.dimensions
+model.write("out")
 """
 
 from typing import TYPE_CHECKING, Any

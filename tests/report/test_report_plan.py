@@ -60,6 +60,12 @@ def test_everything_is_on_the_sheet(picture):
         assert bottom <= picture.height
 
 
+def test_a_narrow_room_does_not_crop_its_caption():
+    corridor = Plan([(0, 0), (0.9, 0), (0.9, 24.0), (0, 24.0)])
+    picture = plan_picture(make_result(corridor, input_name="a scan with quite a long name " * 4))
+    assert max(item.box()[2] for item in picture.items) <= picture.width
+
+
 def test_every_wall_and_dimension_is_named(result, picture):
     texts = [item.text for item in picture.items if isinstance(item, Label)]
     names = {name.strip() for text in texts for name in text.replace(" inferred", "").split(",")}

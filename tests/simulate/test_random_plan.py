@@ -15,12 +15,12 @@ def wall_runs(shape):
     n = 0
     for exposure in exposures(shape):
         if exposure.axis < 2:
-            row = np.pad(exposure.mask[:, 0].astype(int), 1)
+            row = np.pad(exposure.mask.any(axis=1).astype(int), 1)
             n += int((np.diff(row) == 1).sum())
     return n
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=40)
 @given(seed=st.integers(0, 10_000), half=st.integers(2, 7))
 def test_random_room_has_the_walls_and_limits_asked_for(seed, half):
     limits = RandomRoomSettings()

@@ -55,7 +55,9 @@ def classify(segments: Segments, config: ClassifyConfig) -> tuple[FaceClass | No
     return tuple(classes)
 
 
-def _height_range(heights_m: Float[np.ndarray, " n"], areas_m2: Float[np.ndarray, " n"]) -> tuple[float, float]:
+def _height_range(
+    heights_m: Float[np.ndarray, " n"], areas_m2: Float[np.ndarray, " n"]
+) -> tuple[float, float]:
     """Lowest and highest level of note: the outermost segments with a tenth of the largest one's area."""
     if len(heights_m) == 0:
         return 0.0, 0.0

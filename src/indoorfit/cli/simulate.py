@@ -90,7 +90,9 @@ def _refuse_existing(output: Path, truth: Path, overwrite: bool) -> None:
     from indoorfit.errors import OutputError
 
     if output.suffix.lower() != ".ply":
-        raise OutputError(f"{output}: got the suffix {output.suffix!r}; simulated scans are PLY. Fix: name it .ply.")
+        raise OutputError(
+            f"{output}: the suffix is {output.suffix!r}; scans are written as PLY. Fix: name it .ply."
+        )
     for path in (output, truth):
         if path.exists() and not overwrite:
             raise OutputError(f"{path}: exists already. Fix: choose another name, or give --overwrite.")

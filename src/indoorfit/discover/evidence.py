@@ -35,8 +35,8 @@ def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
     ceiling = _cell_coverage(surfaces.ceiling_m, grid, surfaces)
     floor = _cell_coverage(surfaces.floor_m, grid, surfaces)
     top_m = _tops(surfaces, grid)
-    walls = tuple(_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
-    return Evidence(ceiling, floor, top_m, walls)
+    across_x, across_y = (_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
+    return Evidence(ceiling, floor, top_m, (across_x, across_y))
 
 
 def _cell_coverage(

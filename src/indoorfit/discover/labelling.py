@@ -65,9 +65,8 @@ def label_cells(
         costs.append(cost.ravel())
         line = np.indices(cost.shape)[axis]
         used_line.append(line.ravel() + offset)
-    chosen = _solve(
-        cells.ravel(), np.concatenate(pairs), np.concatenate(costs), np.concatenate(used_line), config.line_price
-    )
+    borders = (np.concatenate(pairs), np.concatenate(costs), np.concatenate(used_line))
+    chosen = _solve(cells.ravel(), *borders, config.line_price)
     return chosen.reshape(cells.shape)
 
 
@@ -138,4 +137,4 @@ class _Rows:
             (np.concatenate(self.value), (np.concatenate(self.row), np.concatenate(self.column))),
             shape=(self.n_rows, self.n_columns),
         )
-        return LinearConstraint(matrix.tocsr(), ub=np.concatenate(self.upper))
+        return LinearConstraint(matrix.tocsr(), -np.inf, np.concatenate(self.upper))  # pyright: ignore

@@ -41,8 +41,10 @@ def split_rooms(
     # Cells at even, borders at odd positions of a doubled grid, so that a wall can cut between cells.
     doubled = np.zeros([2 * n - 1 for n in inside.shape], bool)
     doubled[::2, ::2] = inside
-    doubled[1::2, ::2] = inside[1:] & inside[:-1] & (evidence.walls[0][1:-1] < config.partition_share)
-    doubled[::2, 1::2] = inside[:, 1:] & inside[:, :-1] & (evidence.walls[1][:, 1:-1] < config.partition_share)
+    open_x = evidence.walls[0][1:-1] < config.partition_share
+    open_y = evidence.walls[1][:, 1:-1] < config.partition_share
+    doubled[1::2, ::2] = inside[1:] & inside[:-1] & open_x
+    doubled[::2, 1::2] = inside[:, 1:] & inside[:, :-1] & open_y
     labels, n = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
     masks = [labels[::2, ::2] == k for k in range(1, n + 1)]
@@ -124,7 +126,9 @@ def _levels(
     return (chosen[0], chosen[1]), notes
 
 
-def _level_areas(heights_m: Float[np.ndarray, " n"], step_m: float, area_m2: float) -> list[tuple[float, float]]:
+def _level_areas(
+    heights_m: Float[np.ndarray, " n"], step_m: float, area_m2: float
+) -> list[tuple[float, float]]:
     """Levels as (height, area), largest first; each level takes what lies within one step of its peak."""
     levels: list[tuple[float, float]] = []
     left = np.sort(heights_m)

@@ -35,16 +35,14 @@ _FLOOR_GAP_M = 0.4
 """The lowest level surface must lie this near the foot of the walls, or it is a table and no floor."""
 
 
-def find_surfaces(
-    surfels: Surfels, segments: Segments, classes: tuple[FaceClass | None, ...]
-) -> Surfaces:
+def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass | None, ...]) -> Surfaces:
     """Sort the surfels of classified segments.
 
     Raises:
         InputError: no walls, or no floor.
     """
     kind = np.array([_KINDS[name] for name in classes] + [-1])[segments.labels]
-    walls = tuple(surfels.positions_m[kind == axis] for axis in (0, 1))
+    walls = (surfels.positions_m[kind == 0], surfels.positions_m[kind == 1])
     floor_m, ceiling_m = surfels.positions_m[kind == 2], surfels.positions_m[kind == 3]
     heights_m = np.concatenate([wall[:, 2] for wall in walls])
     if len(heights_m) == 0:
@@ -54,16 +52,17 @@ def find_surfaces(
     foot_m, top_m = np.percentile(heights_m, [1, 99])
     floor_height_m = _main_level(floor_m[:, 2]) if len(floor_m) else np.inf
     if floor_height_m > foot_m + _FLOOR_GAP_M:
+        lowest = f" (the lowest level surface is {floor_height_m - foot_m:.2f} m above it)"
         raise InputError(
             "discover: no floor at the foot of the walls"
-            + (f" (the lowest level surface is {floor_height_m - foot_m:.2f} m above it)" if len(floor_m) else "")
+            + (lowest if len(floor_m) else "")
             + "; heights and volumes would be made up. Fix: scan the floor as well, or check --up."
         )
     seen = len(ceiling_m) * surfels.area_m2 >= _MIN_CEILING_M2
     ceiling_height_m = _main_level(ceiling_m[:, 2]) if seen else float(top_m)
     return Surfaces(
         walls_m=walls,
-        wall_segments=tuple(segments.labels[kind == axis] for axis in (0, 1)),
+        wall_segments=(segments.labels[kind == 0], segments.labels[kind == 1]),
         ceiling_m=ceiling_m if seen else ceiling_m[:0],
         floor_m=floor_m,
         floor_height_m=floor_height_m,

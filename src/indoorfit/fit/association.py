@@ -1,6 +1,7 @@
 """Which points belong to which plane, summarised in cells (robust locations of patches)."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,7 +18,7 @@ class AssociationConfig:
     """Which points a plane may claim."""
 
     reach_m: float = 0.10
-    """Points within this distance may be a plane's own; the thesis' 10 cm (3.2.4), for registration errors."""
+    """Points within this distance may be a plane's own; the thesis' 10 cm (3.2.4)."""
     reach_sigmas: float = 5.0
     """Noisier planes reach as far as this many standard deviations, at most `max_reach_m`."""
     max_reach_m: float = 0.25
@@ -152,7 +153,7 @@ def _patches(
     order = np.argsort(index, kind="stable")
     bounds = np.flatnonzero(np.diff(index[order], prepend=-1, append=-1))
     means_m, variances_m2, counts = [], [], []
-    for start, end in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, end in pairwise(bounds):
         if end - start < config.min_points:
             continue
         members = order[start:end]

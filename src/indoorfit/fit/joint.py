@@ -78,7 +78,8 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
             still = moved_m < config.settle * config.association.reach_m
     frame = Frame(state.rotation, frame.origin_scan_m)
-    assert state.patches is not None and state.cells is not None, "at least one round was made"
+    assert state.patches is not None, "at least one round was made"
+    assert state.cells is not None, "at least one round was made"
     return JointFit(
         state.shape, frame, state.patches, state.cells, state.cost, steps, rounds, still and state.solved
     )

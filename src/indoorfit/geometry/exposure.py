@@ -59,14 +59,14 @@ def _ends(margin_m: float) -> tuple[float, float]:
 def exposures(shape: Shape) -> tuple[Exposure, ...]:
     """The visible part of every plane of a shape, in the order of `shape.planes`.
 
-    Raises:
-        nothing: a plane that has been swallowed by other cubes has an empty mask.
+    A plane that has been swallowed by other cubes has an empty mask.
     """
     bounds_m = shape.bounds_m()
     found: dict[int, Exposure] = {}
     for room in shape.rooms:
         tree = _tree(shape, room)
-        lines_m = [np.unique(np.concatenate([bounds_m[cube.id][:, axis] for cube in tree])) for axis in range(3)]
+        corners_m = np.concatenate([bounds_m[cube.id] for cube in tree])
+        lines_m = [np.unique(corners_m[:, axis]) for axis in range(3)]
         inside = _solid(shape, room, bounds_m, lines_m)
         for cube in tree:
             found.update(_cube_exposures(shape, cube, bounds_m, lines_m, inside))
@@ -91,7 +91,7 @@ def _tree(shape: Shape, root: Cube) -> list[Cube]:
     return cubes
 
 
-def _cells(bounds_m: Float[np.ndarray, "2 3"], lines_m: list[Float[np.ndarray, " n"]]) -> tuple[slice, ...]:
+def _cells(bounds_m: Float[np.ndarray, "2 3"], lines_m: list[Float[np.ndarray, " _"]]) -> tuple[slice, ...]:
     """The grid cells that a box covers; its corners are grid lines by construction."""
     index: list[Int[np.ndarray, " 2"]] = [np.searchsorted(lines_m[a], bounds_m[:, a]) for a in range(3)]
     return tuple(slice(int(low), int(high)) for low, high in index)
@@ -101,7 +101,7 @@ def _solid(
     shape: Shape,
     cube: Cube,
     bounds_m: dict[str, Float[np.ndarray, "2 3"]],
-    lines_m: list[Float[np.ndarray, " n"]],
+    lines_m: list[Float[np.ndarray, " _"]],
 ) -> Bool[np.ndarray, "nx ny nz"]:
     """Cube minus its children, from the leaves (thesis 3.2.5)."""
     solid = np.zeros([len(line) - 1 for line in lines_m], bool)
@@ -115,7 +115,7 @@ def _cube_exposures(
     shape: Shape,
     cube: Cube,
     bounds_m: dict[str, Float[np.ndarray, "2 3"]],
-    lines_m: list[Float[np.ndarray, " n"]],
+    lines_m: list[Float[np.ndarray, " _"]],
     inside: Bool[np.ndarray, "nx ny nz"],
 ) -> dict[int, Exposure]:
     found: dict[int, Exposure] = {}

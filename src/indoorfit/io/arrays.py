@@ -1,9 +1,11 @@
 """Reading NumPy files. Pickled objects are never loaded: they can run code."""
 
 import re
+import warnings
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from tokenize import TokenError
 
@@ -28,7 +30,8 @@ def read_npy(path: Path) -> RawCloud:
     """
     try:
         # Mapped, so that a header that promises 1e12 rows fails at once and not in the allocator.
-        array = np.load(path, mmap_mode="r", allow_pickle=False)
+        with _quiet():
+            array = np.load(path, mmap_mode="r", allow_pickle=False)
     except _DAMAGE as e:
         raise InputError(f"{path.name}: not a readable array file: {_short(e)}. {_FIX}") from e
     return _cloud_from_array(path.name, array)
@@ -43,7 +46,7 @@ def read_npz(path: Path) -> RawCloud:
         InputError: no archive, no points in it, lengths that differ, or damaged contents.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(path) as archive, _quiet():
             members = {n.removesuffix(".npy"): n for n in archive.namelist() if n.endswith(".npy")}
             key = _pick(members, _POINT_KEYS) or (next(iter(members)) if len(members) == 1 else None)
             if key is None:
@@ -70,6 +73,14 @@ def read_npz(path: Path) -> RawCloud:
     kept = raw.colours if colours is None else combined.colours
     notes = raw.notes + combined.notes
     return RawCloud(raw.points, kept, combined.frame_ids, raw.single_precision, notes)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """NumPy warns of headers from Python 2, which it reads all the same."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        yield
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> np.ndarray:

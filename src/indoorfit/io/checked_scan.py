@@ -60,10 +60,9 @@ def checked_scan(raw: RawCloud, name: str, unit: Unit) -> Scan:
 
 def _without_invalid(raw: RawCloud, name: str, unit: Unit) -> RawCloud:
     points_m = raw.points
-    # One NaN or infinity makes the sum one: the common case costs one pass and no mask.
-    with np.errstate(over="ignore", invalid="ignore"):
-        if len(points_m) == 0 or (np.isfinite(points_m.sum()) and np.abs(points_m).max() <= MAX_COORDINATE_M):
-            return raw
+    # A NaN makes both extremes NaN, which no comparison passes: the common case costs no mask.
+    if len(points_m) == 0 or (points_m.max() <= MAX_COORDINATE_M and points_m.min() >= -MAX_COORDINATE_M):
+        return raw
     finite = np.isfinite(points_m).all(axis=1)
     n_finite = int(finite.sum())
     if n_finite == 0:

@@ -1,6 +1,7 @@
 """Reading PCD 0.7 of the Point Cloud Library: ascii, binary and binary_compressed."""
 
 import re
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -164,10 +165,10 @@ def _binary_columns(path: Path, header: _Header) -> dict[str, np.ndarray]:
 def _compressed_columns(path: Path, header: _Header) -> dict[str, np.ndarray]:
     with open(path, "rb") as file:
         file.seek(header.n_bytes)
-        sizes = np.frombuffer(file.read(8), dtype="<u4")
-        if len(sizes) < 2:
+        sizes = file.read(8)
+        if len(sizes) < 8:
             _promised(path.name, header, 0)
-        n_packed, n_out = (int(size) for size in sizes)
+        n_packed, n_out = struct.unpack("<II", sizes)
         packed = file.read(n_packed)
     if len(packed) < n_packed:
         raise InputError(

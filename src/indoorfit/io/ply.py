@@ -78,7 +78,8 @@ def _ascii_rows_with_lists(path: Path, vertex: PlyElement, layout: TableLayout) 
                     f"{path.name}, line {number} (row {len(rows) + 1} of {vertex.count}): "
                     f"found {line.strip()[:60]!r}, which does not fit the header. Fix: export the scan again."
                 ) from e
-    return np.array(rows).reshape(len(rows), -1)
+    n_singles = sum(prop.count_type is None for prop in vertex.properties)
+    return np.array(rows, dtype=np.float64).reshape(len(rows), n_singles)
 
 
 def _values_without_lists(vertex: PlyElement, words: list[str]) -> list[float]:

@@ -6,11 +6,13 @@ value and a gradient over the offsets are all that the interval of a measurand n
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
 
 from indoorfit.model import (
+    SIDES,
     Cube,
     DimensionKind,
     FaceKind,
@@ -112,10 +114,12 @@ def _name_faces(
     before: Sequence[NamedFace],
 ) -> list[NamedFace]:
     walls = [edge.wall for loop in loops for edge in loop.edges]
-    ordered = [(piece, "wall") for piece in walls]
+    ordered: list[tuple[Polygon, FaceKind]] = [(piece, "wall") for piece in walls]
     ordered += [(p, "floor") for p in pieces if shape.planes[p.plane].face_class == "floor"]
     ordered += [(p, "ceiling") for p in pieces if shape.planes[p.plane].face_class == "ceiling"]
-    owners = {plane: (cube, side) for cube in shape.cubes for side, plane in cube.sides.items() if plane is not None}
+    owners = {
+        plane: (cube, side) for cube in shape.cubes for side, plane in cube.sides.items() if plane is not None
+    }
     counts = {kind: sum(face.kind == kind for face in before) for kind in ("wall", "floor", "ceiling")}
     named = []
     for piece, kind in ordered:
@@ -135,8 +139,9 @@ def _difference(shape: Shape, low: int, high: int) -> Measurand:
 def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) -> list[NamedDimension]:
     """Extents of the room's cube along x and y, and its height."""
     found = []
-    for axis, kind in ((0, "overall"), (1, "overall"), (2, "height")):
-        low, high = (cube.sides[side] for side in (("-x", "+x"), ("-y", "+y"), ("-z", "+z"))[axis])
+    for axis in range(3):
+        kind: DimensionKind = "overall" if axis < 2 else "height"
+        low, high = cube.sides[SIDES[2 * axis]], cube.sides[SIDES[2 * axis + 1]]
         assert low is not None, "a room has no open side"
         assert high is not None, "a room has no open side"
         ends = [next(face for face in faces if face.polygon.plane == plane) for plane in (low, high)]
@@ -146,7 +151,14 @@ def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) ->
         to_m[axis] = shape.planes[high].offset_m
         found.append(
             NamedDimension(
-                kind, room, (ends[0].id, ends[1].id), None, (low, high), from_m, to_m, _difference(shape, low, high)
+                kind=kind,
+                room=room,
+                faces=(ends[0].id, ends[1].id),
+                wall=None,
+                planes=(low, high),
+                from_m=from_m,
+                to_m=to_m,
+                measurand=_difference(shape, low, high),
             )
         )
     return found
@@ -157,8 +169,8 @@ def _inner_point(polygon: Polygon) -> Float[np.ndarray, " 3"]:
     ring = polygon.rings_m[0]
     best, widest = ring.mean(axis=0), -1.0
     xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
-    for x0, x1 in zip(xs[:-1], xs[1:], strict=True):
-        for y0, y1 in zip(ys[:-1], ys[1:], strict=True):
+    for x0, x1 in pairwise(xs):
+        for y0, y1 in pairwise(ys):
             middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2, ring[0, 2]])
             width = min(x1 - x0, y1 - y0)
             if width > widest and _encloses(polygon, middle):

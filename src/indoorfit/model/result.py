@@ -73,7 +73,7 @@ class Face:
     """Index of the face's plane in the shape."""
     normal: Float[np.ndarray, " 3"]
     """Scan frame, unit length, into the room."""
-    rings_m: tuple[Float[np.ndarray, "corners 3"], ...]
+    rings_m: tuple[Float[np.ndarray, "_ 3"], ...]
     """Scan frame, metres, not closed. The first is the outer ring, counter-clockwise as seen from
     inside the room; the others are holes, clockwise."""
     offset_std_m: float

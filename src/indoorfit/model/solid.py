@@ -25,7 +25,7 @@ class Polygon:
     """One connected flat piece of a room's surface, Manhattan frame."""
 
     plane: int
-    rings_m: tuple[Float[np.ndarray, "corners 3"], ...]
+    rings_m: tuple[Float[np.ndarray, "_ 3"], ...]
     """Outer ring first, counter-clockwise as seen from inside the room; holes clockwise."""
     triangles: Int[np.ndarray, " n"]
     """The solid's triangles that make it up."""

@@ -57,7 +57,7 @@ def orient(
 def _not_a_room(support: float) -> str:
     return (
         f"orient: only {100 * support:.0f} % of the surfaces follow three perpendicular directions; "
-        "a room's walls, floor and ceiling do. Fix: check that the file holds a room and that --unit is right."
+        "a room's walls, floor and ceiling do. Fix: check that the file holds a room, and --unit."
     )
 
 

@@ -126,7 +126,9 @@ def _spanning(
     return float(np.mean(high_m - low_m > 0.8 * height_m))
 
 
-def _pixels(positions_m: Float[np.ndarray, "surfels 3"], axis: Float[np.ndarray, " 3"]) -> Int[np.ndarray, " surfels"]:
+def _pixels(
+    positions_m: Float[np.ndarray, "surfels 3"], axis: Float[np.ndarray, " 3"]
+) -> Int[np.ndarray, " surfels"]:
     """The 25 cm square of the ground that each surfel lies over, as one integer."""
     other = np.eye(3)[np.argmin(np.abs(axis))]
     u = np.cross(axis, other)

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
-from indoorfit.fit import Cells, PatchData, associate, build_cells, fit_joint, intervals
+from indoorfit.fit import Cells, PatchData, fit_joint, intervals
 from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
 from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
 from indoorfit.orient import orient
@@ -145,7 +145,8 @@ def _doubts(closed: bool, converged: bool) -> tuple[Note, ...]:
     """The two ways in which a model can be written and yet not be sound (exit code 3)."""
     notes = []
     if not closed:
-        notes.append(Note("NOT_CLOSED", "A room's solid is not closed or not in one piece; do not use its volume."))
+        message = "A room's solid is not closed or not in one piece; do not use its volume."
+        notes.append(Note("NOT_CLOSED", message))
     if not converged:
         notes.append(
             Note(

@@ -82,6 +82,7 @@ def _sheet(result: FitResult, outline: Outline, drawing: list[Item], cramped: li
     width = max(float(right - left), 560.0)
     head, head_height = heading(result)
     foot, foot_height = caption(result, outline.scale, width, cramped)
+    width = max(width, *(item.box()[2] for item in [*head, *foot]))
     at_drawing = np.array([_MARGIN + 0.5 * (width - (right - left)) - left, _MARGIN + head_height - top])
     at_foot = np.array([_MARGIN, _MARGIN + head_height + (bottom - top) + 30.0])
     items = [

@@ -34,7 +34,7 @@ def measured(
     if sensor.correlation_pixels > 0.0:
         noise = _correlated(noise, sensor.correlation_pixels)
     incidence = np.where(valid, incidence_rad, 0.0)
-    value_m = mixed_m + noise * _sigma_m(sensor, mixed_m, incidence) + _bowl_m(sensor)
+    value_m = mixed_m + noise * _sigma_m(sensor, mixed_m, incidence) + _bowl_m(sensor, true_m.shape)
     if sensor.step_per_m > 0.0:
         value_m = _quantised(value_m, sensor.step_per_m)
     keep = valid & (value_m >= sensor.min_m) & (value_m <= sensor.max_m)
@@ -81,9 +81,10 @@ def _correlated(noise: Float[np.ndarray, "rows columns"], pixels: float) -> Floa
     return smooth / np.sqrt((weights**2).sum())
 
 
-def _bowl_m(sensor: Sensor) -> Float[np.ndarray, "rows columns"]:
-    rows = np.linspace(-1.0, 1.0, sensor.rows)[:, None]
-    columns = np.linspace(-1.0, 1.0, sensor.columns)[None]
+def _bowl_m(sensor: Sensor, grid: tuple[int, ...]) -> Float[np.ndarray, "rows columns"]:
+    """Zero on the ellipse that touches the middles of the image's sides."""
+    rows = np.linspace(-1.0, 1.0, grid[0])[:, None]
+    columns = np.linspace(-1.0, 1.0, grid[1])[None]
     return sensor.bowl_m * (rows**2 + columns**2 - 1.0)
 
 

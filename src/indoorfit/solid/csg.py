@@ -84,5 +84,3 @@ def _box(cube: Cube, corners_m: Float[np.ndarray, "2 3"]) -> m3.Manifold:
             face_id=np.array(planes, np.uint64),
         )
     )
-
-

@@ -27,7 +27,9 @@ def face_polygons(solid: RoomSolid) -> tuple[Polygon, ...]:
     return tuple(sorted(found, key=lambda polygon: (polygon.plane, *polygon.rings_m[0].min(axis=0))))
 
 
-def _connected(triangles: Int[np.ndarray, "n 3"], members: Int[np.ndarray, " m"]) -> list[Int[np.ndarray, " k"]]:
+def _connected(
+    triangles: Int[np.ndarray, "n 3"], members: Int[np.ndarray, " m"]
+) -> list[Int[np.ndarray, " _"]]:
     """Groups of triangles that hang together by edges."""
     by_edge: dict[tuple[int, int], list[int]] = {}
     for t in members:
@@ -95,5 +97,5 @@ def _outer_first(rings_m: list[Float[np.ndarray, "corners 3"]]) -> list[Float[np
 
 
 def _areas(solid: RoomSolid, group: Int[np.ndarray, " n"]) -> Float[np.ndarray, " n"]:
-    corners = solid.vertices_m[solid.triangles[group]]
-    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    a, b, c = np.moveaxis(solid.vertices_m[solid.triangles[group]], 1, 0)
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)

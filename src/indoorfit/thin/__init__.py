@@ -1,6 +1,6 @@
 """Scan -> VoxelCloud: fewer points for the front end, exact moments for the fit."""
 
-from .voxels import ThinConfig as ThinConfig
-from .voxels import thin as thin
 from .surfels import SurfelConfig as SurfelConfig
 from .surfels import surfels as surfels
+from .voxels import ThinConfig as ThinConfig
+from .voxels import thin as thin

@@ -82,7 +82,5 @@ def _moments(
     scatters = np.empty((n, 3, 3))
     for a in range(3):
         for b in range(a, 3):
-            scatters[:, a, b] = scatters[:, b, a] = np.bincount(
-                point_voxel, centred[:, a] * centred[:, b], n
-            )
+            scatters[:, a, b] = scatters[:, b, a] = np.bincount(point_voxel, centred[:, a] * centred[:, b], n)
     return VoxelCloud(origin_m, voxel_m, counts, means, scatters, point_voxel)

@@ -150,9 +150,13 @@ def _random_path(
         plan = 0.35 * np.column_stack([np.cos(angle), np.sin(angle)]) * half[:2]
         heading = angle + 0.5 * np.sin(3 * angle)
     heading = heading + 0.1 * rng.standard_normal(frames)
-    pitch = np.deg2rad(np.array([-28.0, -3.0, 24.0])[np.arange(frames) % 3]) + 0.03 * rng.standard_normal(frames)
+    pitch = np.deg2rad(np.array([-28.0, -3.0, 24.0])[np.arange(frames) % 3]) + 0.03 * rng.standard_normal(
+        frames
+    )
     centres = np.column_stack([plan, floor_m + 1.4 + 0.05 * rng.standard_normal(frames)])
-    forward = np.column_stack([np.cos(heading) * np.cos(pitch), np.sin(heading) * np.cos(pitch), np.sin(pitch)])
+    forward = np.column_stack(
+        [np.cos(heading) * np.cos(pitch), np.sin(heading) * np.cos(pitch), np.sin(pitch)]
+    )
     right = np.column_stack([np.sin(heading), -np.cos(heading), np.zeros(frames)])
     return centres, np.stack([right, np.cross(forward, right), forward], axis=1)
 
@@ -255,7 +259,9 @@ def _dirty(
         size = rng.uniform(0.3, 1.2, 3) * (2.0 if kind != "patch" else 1.0)
         # A face that is more than half hidden has no position: a fit measures what hides it.
         size = np.minimum(size, 0.6 * (walls.high_m[plane] - walls.low_m[plane]))
-        low = rng.uniform(walls.low_m[plane], np.maximum(walls.high_m[plane] - size, walls.low_m[plane] + 1e-9))
+        low = rng.uniform(
+            walls.low_m[plane], np.maximum(walls.high_m[plane] - size, walls.low_m[plane] + 1e-9)
+        )
         if kind == "furniture":
             low[2] = walls.low_m[0, 2]
         here = (tiles.plane == plane) & np.all((tiles.points_m >= low - 1e-9), axis=1)
@@ -268,7 +274,9 @@ def _dirty(
     points = tiles.points_m.copy()
     points[np.arange(len(points)), walls.axis[tiles.plane]] += shift
     keep = count >= 1.0
-    return Tiles(tiles.plane[keep], tiles.frame[keep], points[keep], np.round(count[keep]), tiles.noise_m[keep])
+    return Tiles(
+        tiles.plane[keep], tiles.frame[keep], points[keep], np.round(count[keep]), tiles.noise_m[keep]
+    )
 
 
 def _displace(
@@ -318,8 +326,12 @@ def _cells(
         part = (value - centre[owner]) / (4.685 * scale[owner])
         bite = weight * np.where(np.abs(part) < 1, (1 - part**2) ** 2, 0.0)
         centre = np.bincount(owner, bite * value, groups) / np.bincount(owner, bite, groups)
-    variance = np.bincount(owner, weight * np.minimum(value - centre[owner], 3 * scale[owner]) ** 2, groups) / total
-    where = np.column_stack([np.bincount(group, tiles.count * tiles.points_m[:, k]) / total for k in range(3)])
+    variance = (
+        np.bincount(owner, weight * np.minimum(value - centre[owner], 3 * scale[owner]) ** 2, groups) / total
+    )
+    where = np.column_stack(
+        [np.bincount(group, tiles.count * tiles.points_m[:, k]) / total for k in range(3)]
+    )
     plane = np.zeros(groups, int)
     plane[group] = tiles.plane
     frame = np.zeros(groups, int)

@@ -24,7 +24,7 @@ class Cells:
     plane: Int[np.ndarray, " cells"]
     """Index of the plane that the cell lies on; planes have independent fields."""
     design: Float[np.ndarray, "cells params"]
-    """d residual / d theta, theta = (rotation 3, offset per plane): m/rad for the rotation, -1 at the own offset."""
+    """d residual / d theta, theta = (rotation 3, offset per plane): m/rad, then -1 at the own offset."""
     centroids_m: Float[np.ndarray, "cells 3"]
     """Manhattan frame, metres."""
     residuals_m: Float[np.ndarray, " cells"]

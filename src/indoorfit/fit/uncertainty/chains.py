@@ -100,9 +100,10 @@ def sample_chain(
     import emcee  # two seconds of start-up for a sampler that few runs ask for
 
     moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
-    sampler = emcee.EnsembleSampler(*start.shape, log_prob, moves=moves, vectorize=True)
+    walkers, dim = start.shape
+    sampler = emcee.EnsembleSampler(walkers, dim, log_prob, moves=moves, vectorize=True)
     # emcee wants a legacy state; this is its only way in, and it is local to the sampler.
-    legacy = np.random.RandomState(int(rng.integers(2**31)))  # noqa: NPY002
+    legacy = np.random.RandomState(int(rng.integers(2**31)))
     state = emcee.State(start, random_state=legacy.get_state())
     while True:
         state = sampler.run_mcmc(state, config.check_steps)

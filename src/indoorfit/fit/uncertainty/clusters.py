@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy import stats
+from scipy.special import stdtrit
 
 from .cells import Cells, Contrasts
 from .location import ridge, weighted_map
@@ -44,12 +44,15 @@ class ClusterRobust:
 
     def interval(self, level: float) -> tuple[Float[np.ndarray, " dims"], Float[np.ndarray, " dims"]]:
         """Central interval, metres."""
-        half = stats.t.ppf(0.5 + level / 2, self.dof) * self.std
+        half = stdtrit(self.dof, 0.5 + level / 2) * self.std
         return self.mean - half, self.mean + half
 
 
 def cluster_robust(
-    cells: Cells, contrasts: Contrasts, clusters: Int[np.ndarray, " cells"], weights: Float[np.ndarray, " cells"]
+    cells: Cells,
+    contrasts: Contrasts,
+    clusters: Int[np.ndarray, " cells"],
+    weights: Float[np.ndarray, " cells"],
 ) -> ClusterRobust:
     """CR2 with Satterthwaite's degrees of freedom.
 

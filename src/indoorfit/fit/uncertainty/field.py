@@ -10,12 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs
 
 from .cells import Cells
 from .location import ridge
 
 LOG_TAU, LOG_LENGTH, LOG_ETA = 0, 1, 2
+
+# LAPACK directly: numpy's checks cost more than the factorisation of a wall's block.
+_POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -92,13 +95,13 @@ def block_covariance(
 
 
 def _inverse(covariance: Float[np.ndarray, "rows rows"]) -> tuple[Float[np.ndarray, "rows rows"], float]:
-    """Inverse and log determinant. LAPACK directly: numpy's checks cost more than these small blocks do."""
-    factor, info = lapack.dpotrf(covariance, lower=1)
+    """Inverse and log determinant of a positive definite matrix."""
+    factor, info = _POTRF(covariance, lower=1)
     if info != 0:
-        # The bounds on phi keep the condition below 1e12; what remains is rounding, cured by a relative ridge.
+        # The bounds on phi keep the condition below 1e12; what remains is rounding: a relative ridge.
         jitter = 1e-10 * np.trace(covariance) * np.eye(len(covariance))
-        factor, _ = lapack.dpotrf(covariance + jitter, lower=1)
-    inverse, _ = lapack.dpotri(factor, lower=1)
+        factor, _ = _POTRF(covariance + jitter, lower=1)
+    inverse, _ = _POTRI(factor, lower=1)
     lower = np.tril(inverse, -1)
     return lower + lower.T + np.diag(inverse.diagonal()), 2.0 * float(np.sum(np.log(factor.diagonal())))
 
@@ -153,7 +156,9 @@ def evaluate(
 
 def log_likelihoods(
     field: Field, phis: Float[np.ndarray, "draws 3"], inflation_m2: Float[np.ndarray, " cells"]
-) -> tuple[Float[np.ndarray, " draws"], Float[np.ndarray, "draws seen"], Float[np.ndarray, "draws seen seen"]]:
+) -> tuple[
+    Float[np.ndarray, " draws"], Float[np.ndarray, "draws seen"], Float[np.ndarray, "draws seen seen"]
+]:
     """The same likelihood at many phi at once, with the estimate of theta and its covariance for each.
 
     Returns:

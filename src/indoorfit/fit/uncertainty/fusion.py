@@ -110,8 +110,8 @@ class FusedPredictive:
         )
         if flagged:
             sentence += (
-                f" For {flagged} of {len(self.inconsistent)} dimensions the two contradict each other: a block of "
-                "frames is displaced, and the pose field alone is reported there."
+                f" For {flagged} of {len(self.inconsistent)} dimensions the two contradict each other: "
+                "a block of frames is displaced, and the pose field alone is reported there."
             )
         return {
             "model": "fusion",

@@ -10,7 +10,7 @@ MAD_TO_STD = 1.4826
 
 ROTATION_PRIOR_STD_RAD = 1.0
 """Keeps the normal equations regular where the cells do not fix the rotation (a single plane). A radian is
-more than the 24-fold labelling leaves open, and changes a determined rotation by less than 1e-6 of its error."""
+more than the 24-fold labelling leaves open, and moves a determined one by less than 1e-6 of its error."""
 
 
 def ridge(n_params: int) -> Float[np.ndarray, " params"]:
@@ -20,9 +20,7 @@ def ridge(n_params: int) -> Float[np.ndarray, " params"]:
     return precision
 
 
-def weighted_map(
-    cells: Cells, precisions: Float[np.ndarray, " cells"]
-) -> Float[np.ndarray, "params cells"]:
+def weighted_map(cells: Cells, precisions: Float[np.ndarray, " cells"]) -> Float[np.ndarray, "params cells"]:
     """The linear map L with ``step = L @ residuals_m`` that minimises the weighted squares.
 
     Args:

@@ -1,6 +1,6 @@
 """Cells per frame as a linear mixed model: theta, one rigid slip per frame, one offset per wall patch.
 
-    y = A theta + B_i u_i + Z g + e,    u_i = (shift 3, rotation 3) of frame i about its pivot
+``y = A theta + B_i u_i + Z g + e`` with u_i = (shift 3, rotation 3) of frame i about its pivot.
 """
 
 from dataclasses import dataclass

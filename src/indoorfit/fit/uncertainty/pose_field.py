@@ -4,12 +4,12 @@ One frame sees several faces, so its slip shows against the Manhattan model: thi
 prior. It finds a face that hangs on displaced frames, to which no residual on the face itself gives a clue.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from .cells import ROTATIONS, Cells, Contrasts
+from .cells import Cells, Contrasts
 from .laplace import (
     HyperDraws,
     HyperMode,
@@ -45,15 +45,19 @@ class PoseFieldConfig:
     """Of the five scales above: a factor of 4.5 either way."""
     rho_logit_std: float = 1.5
     """Drift against jitter, 9 to 91 % at one sigma and a half."""
-    kappa: float = 0.5
-    """Variance of an offset common to a whole face over that of its shape. Not in the data: a prior."""
+    kappa: float = 1.0
+    """Variance of an offset common to a whole face over that of its shape (lens, incidence, plaster). Not in
+    the data: a prior. It costs nothing where walls are flat, since it scales with the wall's own field."""
     patch_m: float = 1.0
     """Edge of the wall patches."""
     student_dof: float = 4.0
     """Tail of the cell weights."""
     screen_sigmas: float = 3.0
     """Patches whose mean shift exceeds this many robust sigmas count as contaminated."""
-    sweeps: int = 2
+    displaced_sigmas: float = 5.0
+    """Frames whose slip lies this many robust sigmas from the median frame's were put there by hand or by a
+    wrong match: they keep their slip, but not as evidence of how far ordinary frames are off."""
+    sweeps: int = 3
     """Mode, weights, screening and relinearisation in turn."""
     draws: int = 24
     """Components of the mixture."""
@@ -65,7 +69,7 @@ class PoseFieldConfig:
 
 @dataclass(frozen=True)
 class FrameSlips:
-    """How far each frame was off: a point p of frame i belongs at ``R(turn)^-1 (p - pivot - shift) + pivot``."""
+    """How far each frame was off: its point p belongs at ``R(turn)^-1 (p - pivot - shift) + pivot``."""
 
     frames: Int[np.ndarray, " frames"]
     """Frame indices as in the cells."""
@@ -76,6 +80,8 @@ class FrameSlips:
     """Rotation vector, Manhattan axes."""
     covariances: Float[np.ndarray, "frames 6 6"]
     """Of (shift, turn): m^2, m rad, rad^2."""
+    displaced: Bool[np.ndarray, " frames"]
+    """Frames far from where the others say they were."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +100,16 @@ _HIGH = np.array([np.log(0.4), np.log(0.2), 5.0, np.log(1e3), np.log(0.37), np.l
 
 def pose_prior(config: PoseFieldConfig) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, " 6"]]:
     """Mean and standard deviation of phi, see `pose_system.evaluate_pose`."""
-    c = config
-    medians = [c.shift_median_m, c.turn_median_rad, 1.0, c.time_median_frames, c.wall_median_m, c.eta_median_m]
-    stds = np.full(SLIP, c.scale_log_std)
-    stds[2] = c.rho_logit_std
+    medians = [
+        config.shift_median_m,
+        config.turn_median_rad,
+        1.0,
+        config.time_median_frames,
+        config.wall_median_m,
+        config.eta_median_m,
+    ]
+    stds = np.full(SLIP, config.scale_log_std)
+    stds[2] = config.rho_logit_std
     stds[3] = 1.0  # the memory's order of magnitude is known better than a scale's
     return np.log(medians), stds
 
@@ -129,7 +141,8 @@ def fit_pose_field(cells: Cells, config: PoseFieldConfig) -> PoseFieldFit:
     layout = build_layout(cells, config.patch_m)
     step = weighted_map(cells, student_t_precisions(cells, config.student_dof)) @ cells.residuals_m
     linear = linearise(layout, step, np.zeros((len(layout.frame_ids), SLIP)))
-    robust = Robustness(np.ones(len(layout.frame)), np.zeros(layout.n_patches))
+    frames = len(layout.frame_ids)
+    robust = Robustness(np.ones(len(layout.frame)), np.zeros(layout.n_patches), np.zeros((frames, SLIP)))
     means, stds = pose_prior(config)
     bounds = np.column_stack([_LOW, _HIGH])
     point = means.copy()
@@ -144,7 +157,11 @@ def fit_pose_field(cells: Cells, config: PoseFieldConfig) -> PoseFieldFit:
         linear = linearise(layout, step, state.slips)
     parts = (layout, linear, robust)
     point, converged = find_mode(_differences(parts, config), point, bounds, 1e-6, 30)
-    hessian = hessian_from_values(lambda phi: pose_log_posterior(parts, config, np.clip(phi, _LOW, _HIGH)), point)
+
+    def log_posterior(phi: Float[np.ndarray, " 6"]) -> float:
+        return pose_log_posterior(parts, config, np.clip(phi, _LOW, _HIGH))
+
+    hessian = hessian_from_values(log_posterior, point)
     return PoseFieldFit(layout, linear, robust, laplace_mode(point, hessian, stds, converged))
 
 
@@ -182,7 +199,22 @@ def _reweight(
         shift[members], variance[members] = effect / known, 1.0 / known
     score = np.abs(shift) / np.sqrt(np.maximum(variance - robust.inflation_m2, 1e-18))
     limit = config.screen_sigmas * MAD_TO_STD * float(np.median(score))
-    return Robustness(weights, np.where(score > limit, shift**2, 0.0))
+    inflation = np.where(score > limit, shift**2, 0.0)
+    return Robustness(weights, inflation, _displacements(state.slips, config.displaced_sigmas))
+
+
+def _displacements(slips: Float[np.ndarray, "frames 6"], sigmas: float) -> Float[np.ndarray, "frames 6"]:
+    """Squared distance from the median slip for frames beyond the limit, else 0.
+
+    A Gaussian prior would split the difference between a displaced block and the rest, and so shift the
+    walls that each of them sees.
+    """
+    away = slips - np.median(slips, axis=0)
+    spread = np.abs(away).reshape(len(slips), 2, SLIP // 2)
+    # One scale for the three axes: drift and jitter have no preferred one, and frames are few.
+    scale = MAD_TO_STD * np.median(spread, axis=(0, 2))
+    beyond = np.repeat(np.any(spread > sigmas * scale[:, None], axis=2), SLIP // 2, axis=1)
+    return np.where(beyond, away**2, 0.0)
 
 
 def pose_field_predictive(
@@ -218,6 +250,6 @@ def pose_field_predictive(
 def _slips(fit: PoseFieldFit, config: PoseFieldConfig) -> FrameSlips:
     state = evaluate_pose(fit.layout, fit.linear, fit.robust, fit.mode.point, config.kappa)
     shifts, turns = np.split(state.slips, 2, axis=1)
-    return FrameSlips(
-        fit.layout.frame_ids, fit.layout.pivots_m, shifts, turns, slip_covariances(state)
-    )
+    displaced = np.any(fit.robust.slip_inflation > 0, axis=1)
+    covariances = slip_covariances(state)
+    return FrameSlips(fit.layout.frame_ids, fit.layout.pivots_m, shifts, turns, covariances, displaced)

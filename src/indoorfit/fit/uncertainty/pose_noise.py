@@ -28,9 +28,13 @@ def describe_pose_noise(
     sentence = (
         f"A frame is off by about {1e3 * medians[0]:.2g} mm and {1e3 * medians[1]:.2g} mrad per axis, "
         f"{100 * drift:.0f} % of it drift that lasts about {medians[3]:.0f} frames; walls and lens add "
-        f"{1e3 * medians[4]:.2g} mm that all frames share, and each patch in each frame {1e3 * medians[5]:.2g} mm; "
+        f"{1e3 * medians[4]:.2g} mm that all frames share, and each patch in each frame "
+        f"{1e3 * medians[5]:.2g} mm; "
         f"{100 * screened:.0f} % of the wall patches contradict their neighbours and count for little."
     )
+    displaced = float(np.mean(np.any(robust.slip_inflation > 0, axis=1)))
+    if displaced:
+        sentence += f" {100 * displaced:.0f} % of the frames stand far from where the others put them."
     if dominated:
         sentence += " The scan says little about " + " and ".join(dominated) + ": there the prior decides."
     return {
@@ -39,6 +43,7 @@ def describe_pose_noise(
         "prior_dominated": bool(dominated),
         "prior_dominated_by": dominated,
         "screened_share": screened,
+        "displaced_frames_share": displaced,
         "mode_converged": converged,
         "sentence": sentence,
     }

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import lapack
+from scipy import sparse
+from scipy.linalg import get_lapack_funcs
 
 from .pose_cells import SLIP, PoseLayout, PoseLinear
 
@@ -18,6 +19,8 @@ MATERN_LENGTH_M = 1.5
 """Range of the wall's own shape."""
 PATCH_NUGGET = 0.1
 """Share of a patch's variance that its neighbours know nothing about."""
+
+_PBTRF, _PBTRS, _TBTRS, _POTRI = get_lapack_funcs(("pbtrf", "pbtrs", "tbtrs", "potri"), dtype=np.float64)
 
 _ROUNDING = 1e-12
 """Of sums of some thousand terms, relative, with a margin of ten."""
@@ -31,29 +34,8 @@ class Robustness:
     """Student-t weights, about 1 in the bulk."""
     inflation_m2: Float[np.ndarray, " patches"]
     """Extra variance of patches that the rest of the wall contradicts."""
-
-
-@dataclass(frozen=True)
-class PoseState:
-    """One evaluation, with what is needed to read off the posterior."""
-
-    log_likelihood: float
-    border: Float[np.ndarray, " border"]
-    """Posterior mean of (theta, patches)."""
-    border_covariance: Float[np.ndarray, "border border"]
-    slips: Float[np.ndarray, "frames 6"]
-    """Posterior mean of every frame's slip."""
-    white_gain: Float[np.ndarray, "frames 6 6"]
-    """Covariance of the white part given everything else."""
-    frame_information: Float[np.ndarray, "frames 6 6"]
-    band: Float[np.ndarray, "7 unknowns"]
-    """Cholesky factor of the chain, LAPACK lower band storage."""
-    chain_scale: Float[np.ndarray, " 6"]
-    cross: Float[np.ndarray, "frames 6 border"]
-    """B^T D^-1 (A, Z)."""
-    chain_cross: Float[np.ndarray, "unknowns border"]
-    variances_m2: Float[np.ndarray, " cells"]
-    patch_precisions: tuple[Float[np.ndarray, "members members"], ...]
+    slip_inflation: Float[np.ndarray, "frames 6"]
+    """Extra variance of the slips of displaced frames, m^2 and rad^2."""
 
 
 def patch_precisions(
@@ -71,6 +53,41 @@ def patch_precisions(
     return tuple(inverses), log_det
 
 
+@dataclass(frozen=True)
+class Elimination:
+    """The slips taken out of the normal equations, and what it takes to get them back."""
+
+    normal: Float[np.ndarray, "bordered bordered"]
+    """Of (theta, patches, target) given the data alone, slips integrated; no prior on the patches yet."""
+    log_det: float
+    gain: Float[np.ndarray, "frames 6 6"]
+    """Covariance of the white part given everything else: K."""
+    information: Float[np.ndarray, "frames 6 6"]
+    """B^T D^-1 B: Lambda."""
+    band: Float[np.ndarray, "7 unknowns"]
+    """Cholesky factor of the chain, LAPACK lower band storage."""
+    chain_scale: Float[np.ndarray, " 6"]
+    cross: Float[np.ndarray, "frames 6 bordered"]
+    """B^T D^-1 (A, Z, y)."""
+    chain_cross: Float[np.ndarray, "unknowns bordered"]
+    """The same for the chain in its own units, white part eliminated."""
+
+
+@dataclass(frozen=True)
+class PoseState:
+    """One evaluation, with what is needed to read off the posterior."""
+
+    log_likelihood: float
+    border: Float[np.ndarray, " border"]
+    """Posterior mean of (theta, patches)."""
+    border_covariance: Float[np.ndarray, "border border"]
+    slips: Float[np.ndarray, "frames 6"]
+    """Posterior mean of every frame's slip."""
+    variances_m2: Float[np.ndarray, " cells"]
+    patch_precisions: tuple[Float[np.ndarray, "members members"], ...]
+    elimination: Elimination
+
+
 def evaluate_pose(
     layout: PoseLayout,
     linear: PoseLinear,
@@ -86,59 +103,73 @@ def evaluate_pose(
         phi: log sigma shift (m), log sigma turn (rad), logit rho, log T (frames), log wall (m), log eta (m).
         kappa: variance of an offset common to a face, as a share of the wall field's.
     """
-    frames, border = len(layout.frame_ids), linear.columns.shape[1] - 1
+    variances = (layout.cells.variances_m2 + np.exp(2 * phi[LOG_ETA])) / robust.weights
+    slips = _eliminate_slips(layout, linear, variances, robust.slip_inflation, phi)
+    precisions, patch_log_det = patch_precisions(layout, float(phi[LOG_WALL]), kappa, robust)
+    theta, size = len(layout.precision), len(slips.normal)
+    system = slips.normal[:-1, :-1].copy()
+    system.flat[: theta * size : size] += layout.precision
+    for members, precision in zip(layout.patches, precisions, strict=True):
+        system[np.ix_(theta + members, theta + members)] += precision
+    factor = np.linalg.cholesky(system)
+    inverse, _ = _POTRI(factor, lower=1)
+    covariance = np.tril(inverse) + np.tril(inverse, -1).T
+    mean = covariance @ slips.normal[:-1, -1]
+    quadratic = float(slips.normal[-1, -1] - slips.normal[:-1, -1] @ mean)
+    log_det = slips.log_det + float(np.sum(np.log(variances))) + patch_log_det
+    log_det += 2.0 * float(np.sum(np.log(np.diagonal(factor))))
+    value = -0.5 * (log_det + quadratic)
+    return PoseState(value, mean, covariance, _slip_means(slips, mean), variances, precisions, slips)
+
+
+def _eliminate_slips(
+    layout: PoseLayout,
+    linear: PoseLinear,
+    variances_m2: Float[np.ndarray, " cells"],
+    slip_inflation: Float[np.ndarray, "frames 6"],
+    phi: Float[np.ndarray, " 6"],
+) -> Elimination:
+    """White part frame by frame, then the chain."""
+    frames = len(layout.frame_ids)
     sigma = np.repeat(np.exp(phi[[LOG_SHIFT, LOG_TURN]]), SLIP // 2)
     rho = 1.0 / (1.0 + np.exp(-phi[LOGIT_RHO]))
-    variances = (layout.cells.variances_m2 + np.exp(2 * phi[LOG_ETA])) / robust.weights
-    columns = linear.columns.multiply(1.0 / np.sqrt(variances)[:, None]).tocsr()
-    slip_matrix = linear.slip_matrix.multiply(1.0 / np.sqrt(variances)).tocsr()
-    normal = (columns.T @ columns).toarray()
-    cross = (slip_matrix @ columns).toarray().reshape(frames, SLIP, border + 1)
-    information = _frame_information(layout, linear, variances)
+    scale = 1.0 / np.sqrt(variances_m2)
+    columns = sparse.csr_matrix(sparse.diags(scale) @ linear.columns)
+    normal = sparse.csr_matrix(columns.T @ columns).toarray()
+    slip_matrix = sparse.csr_matrix(linear.slip_matrix @ sparse.diags(scale))
+    cross = sparse.csr_matrix(slip_matrix @ columns).toarray().reshape(frames, SLIP, -1)
+    information = _frame_information(layout, linear, variances_m2)
 
     # White part: K = S^1/2 (I + S^1/2 Lambda S^1/2)^-1 S^1/2, regular also where S vanishes.
-    white = np.sqrt(1 - rho) * sigma
-    factor = np.linalg.cholesky(np.eye(SLIP) + white[:, None] * information * white)
+    white = np.sqrt((1 - rho) * sigma**2 + slip_inflation)
+    factor = np.linalg.cholesky(np.eye(SLIP) + white[:, :, None] * information * white[:, None, :])
     log_det = 2.0 * float(np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2))))
-    half = np.linalg.solve(factor, np.broadcast_to(np.diag(white), factor.shape))
+    half = np.linalg.solve(factor, white[:, :, None] * np.eye(SLIP))
     gain = np.swapaxes(half, 1, 2) @ half
-    reduced = (half @ cross).reshape(SLIP * frames, border + 1)
     keep = np.eye(SLIP) - information @ gain
+
     chain_scale = np.sqrt(rho) * sigma
-    chain_cross = (chain_scale[:, None] * (keep @ cross)).reshape(SLIP * frames, border + 1)
-    band, chain_log_det = _factor_chain(
-        layout, np.exp(phi[LOG_TIME]), chain_scale[:, None] * (keep @ information) * chain_scale
-    )
-    whitened, _ = lapack.dtbtrs(band, chain_cross, uplo="L")
-    stacked = np.vstack([reduced, whitened])
+    chain_cross = (chain_scale[:, None] * (keep @ cross)).reshape(SLIP * frames, -1)
+    blocks = chain_scale[:, None] * (keep @ information) * chain_scale
+    band, chain_log_det = _factor_chain(layout, float(np.exp(phi[LOG_TIME])), blocks)
+    whitened, _ = _TBTRS(band, chain_cross, uplo="L")
+    stacked = np.vstack([(half @ cross).reshape(SLIP * frames, -1), whitened])
     # The difference cancels to what the slips leave of the information; keep it above its own rounding.
     rounding = _ROUNDING * normal.diagonal()
     normal -= stacked.T @ stacked
-    normal.flat[:: border + 2] += rounding
+    normal.flat[:: len(normal) + 1] += rounding
+    return Elimination(
+        normal, log_det + chain_log_det, gain, information, band, chain_scale, cross, chain_cross
+    )
 
-    precisions, patch_log_det = patch_precisions(layout, float(phi[LOG_WALL]), kappa, robust)
-    theta = len(layout.precision)
-    system = normal[:-1, :-1]
-    system.flat[: theta * (border + 1) : border + 1] += layout.precision
-    for members, precision in zip(layout.patches, precisions, strict=True):
-        system[np.ix_(theta + members, theta + members)] += precision
-    factor_border = np.linalg.cholesky(system)
-    covariance, _ = lapack.dpotri(factor_border, lower=1)
-    covariance = np.tril(covariance) + np.tril(covariance, -1).T
-    mean = covariance @ normal[:-1, -1]
-    quadratic = float(normal[-1, -1] - normal[:-1, -1] @ mean)
-    log_det += float(np.sum(np.log(variances))) + chain_log_det + patch_log_det
-    log_det += 2.0 * float(np.sum(np.log(np.diagonal(factor_border))))
 
-    free = np.append(-mean, 1.0)
-    chain, _ = lapack.dpbtrs(band, (chain_cross @ free)[:, None], lower=1)
-    drift = chain.reshape(frames, SLIP) * chain_scale
-    pull = cross @ free - np.einsum("fab,fb->fa", information, drift)
-    slips = drift + np.einsum("fab,fb->fa", gain, pull)
-    return PoseState(
-        -0.5 * (log_det + quadratic), mean, covariance, slips, gain, information, band, chain_scale,
-        cross[:, :, :-1], chain_cross[:, :-1], variances, precisions,
-    )  # fmt: skip
+def _slip_means(slips: Elimination, border: Float[np.ndarray, " border"]) -> Float[np.ndarray, "frames 6"]:
+    """Posterior mean of every slip, given the posterior mean of the border."""
+    free = np.append(-border, 1.0)
+    chain, _ = _PBTRS(slips.band, (slips.chain_cross @ free)[:, None], lower=1)
+    drift = chain.reshape(-1, SLIP) * slips.chain_scale
+    pull = slips.cross @ free - np.einsum("fab,fb->fa", slips.information, drift)
+    return drift + np.einsum("fab,fb->fa", slips.gain, pull)
 
 
 def _frame_information(
@@ -168,25 +199,24 @@ def _factor_chain(
         lanes = np.arange(SLIP - below)
         band[below].reshape(-1, SLIP)[:, lanes] = full[:, lanes + below, lanes]
     band[SLIP, : size - SLIP] = np.repeat(-decay / loss, SLIP)
-    factor, info = lapack.dpbtrf(band, lower=1)
+    factor, info = _PBTRF(band, lower=1)
     assert info == 0, "a prior precision plus information is positive definite"
     return factor, 2.0 * float(np.sum(np.log(factor[0]))) + SLIP * float(np.sum(np.log(loss)))
 
 
 def slip_covariances(state: PoseState) -> Float[np.ndarray, "frames 6 6"]:
     """Posterior covariance of every frame's slip, the uncertainty of theta and patches included."""
-    frames = len(state.slips)
-    border_response, _ = lapack.dpbtrs(state.band, state.chain_cross, lower=1)
-    scale = state.chain_scale
-    result = np.empty((frames, SLIP, SLIP))
-    for i in range(frames):
+    slips, scale = state.elimination, state.elimination.chain_scale
+    border_response, _ = _PBTRS(slips.band, slips.chain_cross[:, :-1], lower=1)
+    result = np.empty_like(slips.gain)
+    for i, gain in enumerate(slips.gain):
         rows = slice(SLIP * i, SLIP * (i + 1))
-        unit = np.zeros((state.band.shape[1], SLIP))
+        unit = np.zeros((slips.band.shape[1], SLIP))
         unit[rows] = np.eye(SLIP)
-        column, _ = lapack.dpbtrs(state.band, unit, lower=1)
-        keep = np.eye(SLIP) - state.white_gain[i] @ state.frame_information[i]
-        # u = keep drift - K E z + const, drift = scale (chain - response z).
-        response = -(keep * scale) @ border_response[rows] - state.white_gain[i] @ state.cross[i]
-        drift = (keep * scale) @ column[rows] @ (keep * scale).T
-        result[i] = state.white_gain[i] + drift + response @ state.border_covariance @ response.T
+        column, _ = _PBTRS(slips.band, unit, lower=1)
+        # u = keep drift - K E z + const, and drift = scale (chain - response z).
+        keep = (np.eye(SLIP) - gain @ slips.information[i]) * scale
+        response = -keep @ border_response[rows] - gain @ slips.cross[i, :, :-1]
+        drift = keep @ column[rows] @ keep.T
+        result[i] = gain + drift + response @ state.border_covariance @ response.T
     return result

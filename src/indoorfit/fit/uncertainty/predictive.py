@@ -99,7 +99,9 @@ class Predictive:
     @property
     def component_stds(self) -> Float[np.ndarray, "draws dims"]:
         """Standard deviation of every dimension given each draw, metres."""
-        variances = np.einsum("dp,kpq,dq->kd", self.contrasts, self.covariances, self.contrasts, optimize=True)
+        variances = np.einsum(
+            "dp,kpq,dq->kd", self.contrasts, self.covariances, self.contrasts, optimize=True
+        )
         return np.where(self.measured, np.sqrt(np.maximum(variances, 0.0)), np.inf)
 
     @property
@@ -126,7 +128,7 @@ class Predictive:
             return np.maximum(2.0 * average**2 / scatter, 1.0)
 
     def covariance(self) -> Float[np.ndarray, "dims dims"]:
-        """Covariance of all dimensions, m^2; rows of unmeasured dimensions hold what the others leave them."""
+        """Covariance of all dimensions, m^2; rows of unmeasured dimensions mean nothing."""
         spread = self.component_means - self.mean
         within = np.einsum("k,kpq->pq", self.weights, self.covariances)
         return self.contrasts @ within @ self.contrasts.T + (self.weights[:, None] * spread).T @ spread

@@ -11,7 +11,17 @@ import numpy as np
 from jaxtyping import Float
 
 from .cells import ROTATIONS, Cells, Contrasts
-from .field import LOG_ETA, LOG_LENGTH, LOG_TAU, Field, FieldFit, block_covariance, build_field, evaluate, log_likelihoods
+from .field import (
+    LOG_ETA,
+    LOG_LENGTH,
+    LOG_TAU,
+    Field,
+    FieldFit,
+    block_covariance,
+    build_field,
+    evaluate,
+    log_likelihoods,
+)
 from .laplace import (
     HyperDraws,
     HyperMode,
@@ -46,7 +56,7 @@ class WallFieldConfig:
     """Hard bound: beyond the size of a wall the field runs away into widths of metres."""
     tau_max_m: float = 0.37
     """Hard bound: a wall that wanders by more is no wall."""
-    face_share: float = 0.3
+    face_share: float = 0.4
     """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
     shows. Floor and ceiling are in view all along. 0 is right where every wall was passed twice or more."""
