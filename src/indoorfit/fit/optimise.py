@@ -19,4 +19,5 @@ def minimise(
     found = optx.least_squares(residuals, solver, start, problem, max_steps=_MAX_STEPS, throw=False)
     cost = 0.5 * jnp.sum(jnp.square(residuals(found.value, problem)))
     ok = found.result == optx.RESULTS.successful
-    return found.value.rotation_rad, found.value.offsets_m, cost, found.stats["num_steps"], ok
+    rotation, offsets = (jnp.asarray(part) for part in found.value)
+    return rotation, offsets, cost, found.stats["num_steps"], ok

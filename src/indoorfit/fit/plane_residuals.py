@@ -28,7 +28,7 @@ class Unknowns(NamedTuple):
     offsets_m: Float[Array | np.ndarray, " planes"]
 
 
-def rotation_matrix(vector_rad: Float[Array, " 3"]) -> Float[Array, "3 3"]:
+def rotation_matrix(vector_rad: Float[Array | np.ndarray, " 3"]) -> Float[Array, "3 3"]:
     """Rodrigues' formula, smooth at zero.
 
     Source: Rodrigues 1840. Both branches of each `where` are guarded, or the gradient at 0 is NaN.

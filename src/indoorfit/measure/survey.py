@@ -4,6 +4,7 @@ Every dimension is a difference of plane offsets, and areas and volumes are smoo
 value and a gradient over the offsets are all that the interval of a measurand needs.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -115,12 +116,13 @@ def _name_faces(
 ) -> list[NamedFace]:
     walls = [edge.wall for loop in loops for edge in loop.edges]
     ordered: list[tuple[Polygon, FaceKind]] = [(piece, "wall") for piece in walls]
-    ordered += [(p, "floor") for p in pieces if shape.planes[p.plane].face_class == "floor"]
-    ordered += [(p, "ceiling") for p in pieces if shape.planes[p.plane].face_class == "ceiling"]
+    level: tuple[FaceKind, ...] = ("floor", "ceiling")
+    for kind in level:
+        ordered += [(piece, kind) for piece in pieces if shape.planes[piece.plane].face_class == kind]
     owners = {
         plane: (cube, side) for cube in shape.cubes for side, plane in cube.sides.items() if plane is not None
     }
-    counts = {kind: sum(face.kind == kind for face in before) for kind in ("wall", "floor", "ceiling")}
+    counts = Counter(face.kind for face in before)
     named = []
     for piece, kind in ordered:
         counts[kind] += 1

@@ -43,7 +43,8 @@ def surfels(cloud: VoxelCloud, config: SurfelConfig) -> Surfels:
         )
     _refuse_flat(cloud)
     k = min(config.neighbours, cloud.n_voxels)
-    distances_m, neighbours = KDTree(cloud.means_m).query(cloud.means_m, k=k)
+    distances_m, nearest = KDTree(cloud.means_m).query(cloud.means_m, k=k)
+    neighbours = np.asarray(nearest)
     variances_m2, normals = _merged_planes(cloud, neighbours)
     # Middle minus smallest spread, against the middle one: 1 on a plane, 0 on a line or in a ball.
     planarity = 1.0 - variances_m2[:, 0] / np.maximum(variances_m2[:, 1], 1e-12)

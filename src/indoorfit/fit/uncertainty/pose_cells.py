@@ -29,9 +29,9 @@ class PoseLayout:
     pivots_m: Float[np.ndarray, "frames 3"]
     """Sensor centre where known, else the centroid of the frame's cells."""
     patch: Int[np.ndarray, " cells"]
-    patches: tuple[Int[np.ndarray, " members"], ...]
+    patches: tuple[Int[np.ndarray, " _"], ...]
     """For every plane the patches on it."""
-    patch_distances_m: tuple[Float[np.ndarray, "members members"], ...]
+    patch_distances_m: tuple[Float[np.ndarray, "_ _"], ...]
     seen: Bool[np.ndarray, " params"]
     precision: Float[np.ndarray, " seen"]
 

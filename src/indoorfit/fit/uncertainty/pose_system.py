@@ -40,7 +40,7 @@ class Robustness:
 
 def patch_precisions(
     layout: PoseLayout, log_wall: float, kappa: float, robust: Robustness
-) -> tuple[tuple[Float[np.ndarray, "members members"], ...], float]:
+) -> tuple[tuple[Float[np.ndarray, "_ _"], ...], float]:
     """Inverse prior covariance of the patches, plane by plane, and the log determinant of the covariance."""
     variance = np.exp(2 * log_wall)
     inverses, log_det = [], 0.0
@@ -84,7 +84,7 @@ class PoseState:
     slips: Float[np.ndarray, "frames 6"]
     """Posterior mean of every frame's slip."""
     variances_m2: Float[np.ndarray, " cells"]
-    patch_precisions: tuple[Float[np.ndarray, "members members"], ...]
+    patch_precisions: tuple[Float[np.ndarray, "_ _"], ...]
     elimination: Elimination
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,6 +12,7 @@ _BISECTIONS = 52
 """Halvings of the bracket: 2^-52 of it is rounding."""
 
 
+@runtime_checkable
 class Distribution(Protocol):
     """What fused and plain predictive distributions have in common; all in metres."""
 
@@ -113,7 +114,9 @@ class Predictive:
     def std(self) -> Float[np.ndarray, " dims"]:
         """Standard deviation of every dimension, metres; infinite where unmeasured."""
         spread = self.component_means - self.mean
-        return np.sqrt(self.weights @ (self.component_stds**2 + spread**2))
+        within = np.where(self.measured, self.component_stds, 0.0)
+        total = np.sqrt(self.weights @ (within**2 + spread**2))
+        return np.where(self.measured, total, np.inf)
 
     @property
     def variance_dof(self) -> Float[np.ndarray, " dims"]:
@@ -124,8 +127,9 @@ class Predictive:
         variances = np.where(self.measured, self.component_stds, 1.0) ** 2
         average = self.weights @ variances
         scatter = self.weights @ (variances - average) ** 2
-        with np.errstate(divide="ignore"):
-            return np.maximum(2.0 * average**2 / scatter, 1.0)
+        varies = scatter > 0
+        dof = 2.0 * average**2 / np.where(varies, scatter, 1.0)
+        return np.where(varies, np.maximum(dof, 1.0), np.inf)
 
     def covariance(self) -> Float[np.ndarray, "dims dims"]:
         """Covariance of all dimensions, m^2; rows of unmeasured dimensions mean nothing."""

@@ -83,7 +83,8 @@ def expand_ends(
     factor = float(ndtri(0.5 + level / 2))
     dominant = std > 1e-6 * type_b
     stretch = np.where(dominant & finite, combined / np.where(dominant & finite, std, 1.0), 1.0)
-    low, high = (centre + stretch * np.where(finite, end - centre, 0.0) for end in ends)
+    centre = np.where(finite, centre, 0.0)
+    low, high = (centre + stretch * (np.where(finite, end, 0.0) - centre) for end in ends)
     low, high = (
         np.where(dominant, end, centre + sign * factor * combined) for end, sign in ((low, -1), (high, 1))
     )
