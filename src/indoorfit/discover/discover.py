@@ -60,6 +60,6 @@ def discover(
             )
     evidence = gather_evidence(surfaces, lines)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    inside = label_cells(evidence, grid, config.labels)
+    inside = label_cells(evidence, grid, len(surfels.positions_m), config.labels)
     rooms = split_rooms(inside, evidence, grid, config.rooms)
     return build_shape(rooms, grid, surfaces, config.rooms)

@@ -103,6 +103,8 @@ def _border_coverage(
     segment_line = np.full(int(surfaces.wall_segments[axis].max(initial=-1)) + 1, -1)
     segment_line[list(across.segment_line)] = list(across.segment_line.values())
     on_line = segment_line[surfaces.wall_segments[axis]]
+    stray_m, stray_line = _near_lines(surfaces, across, axis)
+    wall_m, on_line = np.concatenate([wall_m, stray_m]), np.concatenate([on_line, stray_line])
     cell = np.searchsorted(along.offsets_m, wall_m[:, 1 - axis]) - 1
     n_lines, n_along = len(across.offsets_m), len(along.offsets_m) - 1
     valid = (on_line >= 0) & (cell >= 0) & (cell < n_along)
@@ -118,6 +120,17 @@ def _border_coverage(
         ends_m = (along.offsets_m[c], along.offsets_m[c + 1])
         coverage[line, c] = _wall_share(members[:, [1 - axis, 2]], ends_m, tops_m[line, c], surfaces)
     return np.moveaxis(coverage, 0, axis)
+
+
+def _near_lines(
+    surfaces: Surfaces, across: Lines, axis: int
+) -> tuple[Float[np.ndarray, "near 3"], Int[np.ndarray, " near"]]:
+    """Surfels of no surface that lie on a candidate line, and that line."""
+    offsets_m = across.offsets_m
+    position_m = surfaces.stray_m[:, axis]
+    nearest = np.argmin(np.abs(position_m[:, None] - offsets_m[None, :]), axis=1)
+    near = np.abs(position_m - offsets_m[nearest]) < 3.0 * surfaces.noise_m
+    return surfaces.stray_m[near], nearest[near]
 
 
 def _border_tops(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
@@ -29,44 +29,45 @@ class LabelConfig:
     """Chance that a stretch of the room's wall was seen, beside furniture and windows."""
     wall_elsewhere: float = 0.05
     """Chance of wall up to the ceiling where the room does not end: partitions, wardrobes."""
-    line_price: float = 5.0
-    """Cost of every candidate line that the outline uses: half the logarithm of the number of surfels,
-    about 5 (10 000 to 40 000 of them), for the position that it adds (Schwarz 1978)."""
+    wall_price: float | None = None
+    """Cost of every wall of the outline, for the position that it adds: by default half the logarithm of
+    the number of surfels, 4 to 5 (Schwarz 1978)."""
 
 
 def label_cells(
     evidence: Evidence,
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    n_surfels: int,
     config: LabelConfig,
 ) -> Bool[np.ndarray, "nx ny"]:
     """Minimise the negative log posterior of inside/outside labels over the plan's cells.
 
     Each cell pays or earns for the ceiling and floor seen over it, each border between inside and
-    outside for the wall seen on it, each candidate line that is used pays its price. It is a small
-    integer programme, solved to optimality by HiGHS; everything beyond the outermost lines is outside.
+    outside for the wall seen on it, each corner of the outline the price of a wall (an outline has as
+    many walls as corners). It is a small integer programme, solved to optimality by HiGHS; everything
+    beyond the outermost lines is outside.
 
     Args:
         evidence: shares seen, see `Evidence`.
         grid: candidate lines, Manhattan frame, metres.
+        n_surfels: number of observations, for the price of a wall.
         config: see `LabelConfig`.
     """
     widths = [np.diff(line) for line in grid]
     cells = -_cell_gain(evidence, np.outer(*widths) / config.patch_m**2, config)
-    n_cells = cells.size
-    number = np.pad(np.arange(n_cells).reshape(cells.shape), 1, constant_values=-1)
-    pairs, costs, used_line = [], [], []
-    for axis, offset in ((0, 0), (1, len(grid[0]))):
+    number = np.pad(np.arange(cells.size).reshape(cells.shape), 1, constant_values=-1)
+    pairs, costs = [], []
+    for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
         cost = -_log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
-        cost = cost * along / config.patch_m
         below = number[:-1, 1:-1] if axis == 0 else number[1:-1, :-1]
         above = number[1:, 1:-1] if axis == 0 else number[1:-1, 1:]
         pairs.append(np.stack([below.ravel(), above.ravel()], axis=1))
-        costs.append(cost.ravel())
-        line = np.indices(cost.shape)[axis]
-        used_line.append(line.ravel() + offset)
-    borders = (np.concatenate(pairs), np.concatenate(costs), np.concatenate(used_line))
-    chosen = _solve(cells.ravel(), *borders, config.line_price)
+        costs.append((cost * along / config.patch_m).ravel())
+    blocks = [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]]
+    around = np.stack([block.ravel() for block in blocks], axis=1)
+    price = 0.5 * np.log(n_surfels) if config.wall_price is None else config.wall_price
+    chosen = _solve(cells.ravel(), np.concatenate(pairs), np.concatenate(costs), around, price)
     return chosen.reshape(cells.shape)
 
 
@@ -87,24 +88,31 @@ def _cell_gain(
 
 def _solve(
     cell_costs: Float[np.ndarray, " cells"],
-    pairs: np.ndarray,
+    pairs: Int[np.ndarray, "borders 2"],
     border_costs: Float[np.ndarray, " borders"],
-    line_of_border: np.ndarray,
-    line_price: float,
+    around: Int[np.ndarray, "vertices 4"],
+    corner_price: float,
 ) -> Bool[np.ndarray, " cells"]:
-    """min c.x + w.b + price * l  with  b = |x_i - x_j|  and  l >= b for the borders of a line."""
-    n_cells, n_borders = len(cell_costs), len(pairs)
-    n_lines = int(line_of_border.max()) + 1
-    n = n_cells + n_borders + n_lines
+    """min c.x + w.b + price * k  with  b = |x_i - x_j|  and  k = |x_1 - x_2 - x_3 + x_4| at each vertex.
+
+    Index -1 stands for the outside, whose label is 0.
+    """
+    n_cells, n_borders, n_corners = len(cell_costs), len(pairs), len(around)
     b = n_cells + np.arange(n_borders)
-    rows = _Rows(n)
+    k = n_cells + n_borders + np.arange(n_corners)
+    rows = _Rows(n_cells + n_borders + n_corners)
     # The four facets of b = |x_i - x_j|: two hold it up, two hold it down where wall is rewarded.
-    one = np.ones(n_borders)
     for first, second, border, upper in ((1, -1, -1, 0), (-1, 1, -1, 0), (-1, -1, 1, 0), (1, 1, 1, 2)):
-        rows.add([(pairs[:, 0], first * one), (pairs[:, 1], second * one), (b, border * one)], upper)
-    rows.add([(b, one), (n_cells + n_borders + line_of_border, -one)], upper=0)
-    costs = np.concatenate([cell_costs, border_costs, np.full(n_lines, line_price)])
-    result = milp(costs, integrality=np.ones(n), bounds=Bounds(0, 1), constraints=rows.constraint())
+        rows.add([(pairs[:, 0], first), (pairs[:, 1], second), (b, border)], upper)
+    # The price holds k down. A straight wall through a vertex gives 0, a corner 1, touching corners 2.
+    for sign in (1, -1):
+        signed = [(around[:, q], sign * s) for q, s in enumerate((1, -1, -1, 1))]
+        rows.add([*signed, (k, -1)], 0)
+    costs = np.concatenate([cell_costs, border_costs, np.full(n_corners, corner_price)])
+    upper = np.concatenate([np.ones(n_cells + n_borders), np.full(n_corners, 2.0)])
+    # Borders and corners are whole numbers by themselves once the cells are.
+    whole = np.concatenate([np.ones(n_cells), np.zeros(n_borders + n_corners)])
+    result = milp(costs, integrality=whole, bounds=Bounds(0, upper), constraints=rows.constraint())
     assert result.x is not None, "all-outside is always feasible"
     return result.x[:n_cells] > 0.5
 
@@ -120,14 +128,14 @@ class _Rows:
         self.upper: list[np.ndarray] = []
         self.n_rows = 0
 
-    def add(self, terms: list[tuple[np.ndarray, np.ndarray]], upper: float) -> None:
-        """Append one block of rows: the sum of the terms is at most `upper`."""
+    def add(self, terms: list[tuple[np.ndarray, int]], upper: float) -> None:
+        """Append one block of rows: the sum of columns times factors is at most `upper`."""
         n = len(terms[0][0])
-        for columns, values in terms:
+        for columns, factor in terms:
             kept = columns >= 0
             self.row.append(self.n_rows + np.flatnonzero(kept))
             self.column.append(columns[kept])
-            self.value.append(values[kept])
+            self.value.append(np.full(int(kept.sum()), float(factor)))
         self.upper.append(np.full(n, upper))
         self.n_rows += n
 

@@ -20,6 +20,9 @@ class RoomConfig:
 
     min_area_m2: float = 1.0
     """Smaller pieces of floor plan are window niches and glimpses, not rooms."""
+    walled: float = 0.5
+    """Least share of the outline on which a second room shows wall: half. A room seen through a door
+    shows the wall opposite and little else."""
     partition_share: float = 0.6
     """Two inside cells are apart where their border shows at least this share of wall: more than a
     wardrobe against a wall adds, less than a partition with a door leaves."""
@@ -48,14 +51,32 @@ def split_rooms(
     labels, n = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
     masks = [labels[::2, ::2] == k for k in range(1, n + 1)]
-    rooms = [mask for mask in masks if areas[mask].sum() >= config.min_area_m2]
+    large = [mask for mask in masks if areas[mask].sum() >= config.min_area_m2]
+    large.sort(key=lambda mask: -areas[mask].sum())
+    # The largest piece is what was scanned, however open; others must show walls of their own.
+    rooms = [mask for k, mask in enumerate(large) if k == 0 or _walled(mask, evidence, grid) >= config.walled]
     if not rooms:
         raise InputError(
             "discover: no closed piece of floor plan of at least "
             f"{config.min_area_m2:.1f} m² has ceiling or floor over it and walls around it. "
             "Fix: check --unit and --up, and that ceiling and walls were scanned."
         )
-    return sorted(rooms, key=lambda mask: -areas[mask].sum())
+    return rooms
+
+
+def _walled(
+    mask: Bool[np.ndarray, "nx ny"],
+    evidence: Evidence,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+) -> float:
+    """Share of the outline on which wall was seen."""
+    padded = np.pad(mask, 1)
+    outline_x = padded[1:, 1:-1] != padded[:-1, 1:-1]
+    outline_y = padded[1:-1, 1:] != padded[1:-1, :-1]
+    lengths_x = outline_x * np.diff(grid[1])[None, :]
+    lengths_y = outline_y * np.diff(grid[0])[:, None]
+    seen = np.sum(lengths_x * evidence.walls[0]) + np.sum(lengths_y * evidence.walls[1])
+    return float(seen / (lengths_x.sum() + lengths_y.sum()))
 
 
 def build_shape(

@@ -17,6 +17,8 @@ class Surfaces:
     """Surfels of walls perpendicular to x, and to y."""
     wall_segments: tuple[Int[np.ndarray, " n"], Int[np.ndarray, " m"]]
     """The segment of each of them."""
+    stray_m: Float[np.ndarray, "s 3"]
+    """Surfels of no surface: edges, and walls too narrow for a surface of their own."""
     ceiling_m: Float[np.ndarray, "c 3"]
     floor_m: Float[np.ndarray, "f 3"]
     floor_height_m: float
@@ -63,6 +65,7 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
     return Surfaces(
         walls_m=walls,
         wall_segments=(segments.labels[kind == 0], segments.labels[kind == 1]),
+        stray_m=surfels.positions_m[segments.labels == -1],
         ceiling_m=ceiling_m if seen else ceiling_m[:0],
         floor_m=floor_m,
         floor_height_m=floor_height_m,

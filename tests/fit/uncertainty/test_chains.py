@@ -69,7 +69,7 @@ def test_short_chain_is_refused_with_a_remedy() -> None:
 
 def test_chain_agrees_with_the_laplace_mixture_where_it_should() -> None:
     # Both integrate the same posterior over three well-behaved numbers, so only Monte Carlo error is left:
-    # 2 % of the mixture of 24, 1 to 2 % of a chain of 300.
+    # up to 3 % of the mixture of 24, 1 to 2 % of a chain of 300.
     room = simulate_cell_room(1, REGIMES["p5"])
     config = SamplerConfig(walkers=24, check_steps=100, min_effective=300.0, max_rhat=1.08)
     chain = sample_wall_field(room.cells, room.contrasts, WallFieldConfig(), config, np.random.default_rng(0))

@@ -97,18 +97,18 @@ def test_linearised_residual_agrees_with_exact_rotation_to_second_order() -> Non
     slips = 0.01 * rng.standard_normal((frames, SLIP))
     step = np.zeros(room.frame_cells.n_params)
     step[:3] = 0.01 * rng.standard_normal(3)
-    for scale, factor in ((1e-3, 1.0), (1e-4, 0.02)):
+    for scale in (1e-3, 1e-4):
         move, turn = scale * rng.standard_normal((frames, SLIP)), np.zeros_like(step)
         turn[:3] = scale * rng.standard_normal(3)
         here, there = linearise(layout, step, slips), linearise(layout, step + turn, slips + move)
         # `target - B u - A theta` is the exact residual; its change must be the derivative's.
-        change = exact_residual(layout, there, step + turn, slips + move) - exact_residual(
-            layout, here, step, slips
-        )
+        change = exact_residual(layout, there, step + turn, slips + move)
+        change -= exact_residual(layout, here, step, slips)
         rows = np.sum(here.slip_rows * move[layout.frame], axis=1)
         theta = here.columns.toarray()[:, :3] @ turn[:3]
-        # 6 m levers: the second order is 6 * scale * (scale + 2 * 1 cm).
-        np.testing.assert_allclose(change, -rows - theta, atol=30 * scale * (scale + 0.02) * max(factor, 0.1))
+        # Levers of 6 m, moves of up to 4 scale: half their square, and 4 cm of slip squared over six.
+        bound = 6 * 4 * scale * (4 * scale + 0.04**2)
+        np.testing.assert_allclose(change, -rows - theta, atol=bound)
 
 
 def exact_residual(layout, linear, step, slips):
@@ -128,19 +128,6 @@ def test_slips_recover_the_frames_true_errors_up_to_a_common_motion() -> None:
     # The stated uncertainty is of the right size: z-scores of a hundred correlated numbers.
     scale = np.sqrt(np.array([c.diagonal()[:3] for c in slips.covariances]))
     assert 0.2 < np.sqrt(np.mean((error / scale) ** 2)) < 2.0
-
-
-def test_frame_ids_halve_the_error_at_two_centimetres() -> None:
-    pose_errors, wall_errors = [], []
-    for seed in range(40, 48):
-        room = simulate_cell_room(seed, REGIMES["p20"])
-        rng = np.random.default_rng(seed)
-        pose, _ = pose_field_predictive(room.frame_cells, room.contrasts, CONFIG, rng)
-        wall = wall_field_predictive(room.cells, room.contrasts, WallFieldConfig(), rng)
-        pose_errors.extend(pose.mean - room.truth_m)
-        wall_errors.extend(wall.mean - room.truth_m)
-    # Root mean squares are ruled by single rooms; the median error falls by four and more.
-    assert np.median(np.abs(pose_errors)) < 0.5 * np.median(np.abs(wall_errors))
 
 
 def test_displaced_frames_are_found_and_their_face_put_back() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .segment_points import SegmentPoints
 
@@ -22,7 +22,7 @@ def connected_segments(cloud: SegmentPoints, segments: Sequence[int], link_m: fl
         return []
     sizes = [len(cloud.surfels([segment])) for segment in segments]
     owner = np.repeat(np.arange(len(segments)), sizes)
-    pairs = cKDTree(cloud.surfels(segments)).query_pairs(link_m, output_type="ndarray")
+    pairs = KDTree(cloud.surfels(segments)).query_pairs(link_m, output_type="ndarray")
     # A segment is connected by construction, so segments can be the nodes.
     links = owner[pairs]
     n = len(segments)

@@ -51,7 +51,7 @@ class DetailFitter:
         # New coordinate system with the origin on the component's centroid; classes anew.
         origin_m = self.cloud.points(component).mean(axis=0)
         classes = wall_classes(self.planes, component, origin_m, self.config)
-        groups = {
+        groups: dict[FaceClass, list[tuple[int, ...]]] = {
             name: farthest_groups(self.planes, members, origin_m, self.config.join_m)
             for name, members in classes.items()
         }

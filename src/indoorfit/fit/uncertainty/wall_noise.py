@@ -17,12 +17,19 @@ def describe_wall_noise(
     hyper: HyperDraws,
     prior_stds: Float[np.ndarray, " 3"],
     inflation_m2: Float[np.ndarray, " cells"],
+    variances_m2: Float[np.ndarray, " cells"],
     converged: bool,
 ) -> dict[str, Any]:
-    """Posterior of tau, l and eta (metres), what the prior decided, and a sentence."""
+    """Posterior of tau, l and eta (metres), what the prior decided, and a sentence.
+
+    A field below the cells' own point noise has no length worth knowing: that is a clean scan, and not one
+    that the prior dominates.
+    """
     medians = np.exp(hyper.mean)
     shares = hyper.std / prior_stds
-    dominated = [name for name, share in zip(_NAMES, shares, strict=True) if share > PRIOR_DOMINATED]
+    clean = medians[0] < float(np.sqrt(np.median(variances_m2)))
+    wide = [name for name, share in zip(_NAMES, shares, strict=True) if share > PRIOR_DOMINATED]
+    dominated = [] if clean else wide
     screened = float(np.mean(inflation_m2 > 0))
     described = {
         name: {"median": float(median), "log_std": float(std), "share_of_prior_std": float(share)}
