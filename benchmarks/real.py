@@ -18,9 +18,9 @@ from indoorfit.cli.runtime import prepare_numerics
 # Before NumPy: this module is imported again in every worker.
 prepare_numerics()
 
+from indoorfit import IndoorfitError, RunConfig  # noqa: E402
+from indoorfit.api import RoomModel, fit, read  # noqa: E402
 from tables import print_machine, print_table  # noqa: E402
-
-from indoorfit import IndoorfitError, RoomModel, RunConfig, fit, read  # noqa: E402
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".asc", ".npy", ".npz")
 

@@ -19,9 +19,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from tables import print_machine, print_table
-
 from indoorfit.simulate import RoomKind
+from tables import print_machine, print_table
 
 YARDSTICK = """
 import sys, time

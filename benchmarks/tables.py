@@ -22,7 +22,9 @@ def print_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def print_machine() -> None:
     """One line: processors, and the load average, without which no time means anything."""
     load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
-    print(f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}")
+    print(
+        f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}"
+    )
 
 
 def _is_number(cell: str) -> bool:

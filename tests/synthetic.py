@@ -97,10 +97,10 @@ def discovered(scan: Scan, config: RunConfig | None = None) -> tuple[Shape, tupl
 def plans(draw, side: int = 5):
     """A connected rectilinear plan: grid lines along x and y, mask of the cells, floor and ceiling height."""
     nx, ny = draw(st.integers(1, side)), draw(st.integers(1, side))
-    bits = draw(st.integers(0, 2 ** (nx * ny) - 1))
-    mask = np.array([bits >> k & 1 for k in range(nx * ny)], bool).reshape(nx, ny)
+    missing = draw(st.sets(st.integers(0, nx * ny - 1), max_size=nx * ny // 2))
+    mask = ~np.isin(np.arange(nx * ny), list(missing)).reshape(nx, ny)
     labels, n = ndimage.label(mask)
-    mask = labels == 1 if n else np.ones((nx, ny), bool)
+    mask = labels == 1 + np.argmax([np.sum(labels == k) for k in range(1, n + 1)])
     steps = st.floats(0.1, 2.0, allow_nan=False)
     x = np.cumsum([draw(st.floats(-3, 3)), *(draw(steps) for _ in range(nx))])
     y = np.cumsum([draw(st.floats(-3, 3)), *(draw(steps) for _ in range(ny))])

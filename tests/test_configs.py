@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from indoorfit import RunConfig, fit, load_config
+from indoorfit import RunConfig, load_config
+from indoorfit.api import fit
 from indoorfit.simulate import SamplingSettings, room_shape, sample_surface
 
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"

@@ -12,7 +12,7 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fit import IntervalConfig, JointConfig
+from indoorfit.fit import GreedyConfig, IntervalConfig, JointConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -34,6 +34,7 @@ class RunConfig:
     segment: SegmentConfig = field(default_factory=SegmentConfig)
     classify: ClassifyConfig = field(default_factory=ClassifyConfig)
     discover: DiscoverConfig = field(default_factory=DiscoverConfig)
+    greedy: GreedyConfig = field(default_factory=GreedyConfig)
     joint: JointConfig = field(default_factory=JointConfig)
     intervals: IntervalConfig = field(default_factory=IntervalConfig)
 

@@ -10,6 +10,7 @@ from .evidence import gather_evidence
 from .labelling import LabelConfig, label_cells
 from .rooms import RoomConfig, build_shape, split_rooms
 from .surfaces import find_surfaces
+from .world import WorldConfig, world_notes
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,8 @@ class DiscoverConfig:
     """Which cells are inside."""
     rooms: RoomConfig = field(default_factory=RoomConfig)
     """What is a room."""
+    world: WorldConfig = field(default_factory=WorldConfig)
+    """What is not Manhattan."""
 
 
 def discover(
@@ -62,4 +65,5 @@ def discover(
     grid = (lines[0].offsets_m, lines[1].offsets_m)
     inside = label_cells(evidence, grid, len(surfels.positions_m), config.labels)
     rooms = split_rooms(inside, evidence, grid, config.rooms)
-    return build_shape(rooms, grid, surfaces, config.rooms)
+    shape, notes = build_shape(rooms, grid, surfaces, config.rooms)
+    return shape, (*world_notes(segments, config.world), *notes)

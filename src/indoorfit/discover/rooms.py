@@ -50,9 +50,11 @@ def split_rooms(
     doubled[::2, 1::2] = inside[:, 1:] & inside[:, :-1] & open_y
     labels, n = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
-    masks = [labels[::2, ::2] == k for k in range(1, n + 1)]
-    large = [mask for mask in masks if areas[mask].sum() >= config.min_area_m2]
-    large.sort(key=lambda mask: -areas[mask].sum())
+    pieces = [labels[::2, ::2] == k for k in range(1, n + 1)]
+    pieces.sort(key=lambda mask: -areas[mask].sum())
+    large = [mask for mask in pieces if areas[mask].sum() >= config.min_area_m2]
+    for small in pieces[len(large) :]:
+        _give_back(small, large, grid)
     # The largest piece is what was scanned, however open; others must show walls of their own.
     rooms = [mask for k, mask in enumerate(large) if k == 0 or _walled(mask, evidence, grid) >= config.walled]
     if not rooms:
@@ -62,6 +64,29 @@ def split_rooms(
             "Fix: check --unit and --up, and that ceiling and walls were scanned."
         )
     return rooms
+
+
+def _give_back(
+    small: Bool[np.ndarray, "nx ny"],
+    large: list[Bool[np.ndarray, "nx ny"]],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+) -> None:
+    """Join a piece too small for a room to its longest neighbour: what cut it off was a cupboard's front."""
+    contacts = [_contact_m(small, other, grid) for other in large]
+    if contacts and max(contacts) > 0.0:
+        k = int(np.argmax(contacts))
+        large[k] = large[k] | small
+
+
+def _contact_m(
+    first: Bool[np.ndarray, "nx ny"],
+    second: Bool[np.ndarray, "nx ny"],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+) -> float:
+    """Length of the border that two sets of cells share."""
+    across_x = (first[1:] & second[:-1]) | (first[:-1] & second[1:])
+    across_y = (first[:, 1:] & second[:, :-1]) | (first[:, :-1] & second[:, 1:])
+    return float((across_x @ np.diff(grid[1])).sum() + (np.diff(grid[0]) @ across_y).sum())
 
 
 def _walled(

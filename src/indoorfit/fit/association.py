@@ -65,6 +65,9 @@ def associate(
     n_points, rms_m, coverage = np.zeros(n_planes, int), np.zeros(n_planes), np.zeros(n_planes)
     for exposure in exposures(shape):
         plane = shape.planes[exposure.plane]
+        if plane.status == "inferred":
+            # Whatever stands near an unseen wall is not that wall.
+            continue
         claimed, residuals_m = _claim(points_m, exposure, plane.offset_m, config)
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)
         patches = _patches(claimed, residuals_m, exposure, plane.offset_m, config)

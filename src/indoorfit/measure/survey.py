@@ -118,10 +118,12 @@ def _name_faces(
     ordered: list[tuple[Polygon, FaceKind]] = [(piece, "wall") for piece in walls]
     level: tuple[FaceKind, ...] = ("floor", "ceiling")
     for kind in level:
-        ordered += [(piece, kind) for piece in pieces if shape.planes[piece.plane].face_class == kind]
-    owners = {
-        plane: (cube, side) for cube in shape.cubes for side, plane in cube.sides.items() if plane is not None
-    }
+        for piece in pieces:
+            if shape.planes[piece.plane].face_class == kind:
+                ordered.append((piece, kind))
+    owners: dict[int, tuple[Cube, Side]] = {}
+    for cube in shape.cubes:
+        owners.update({plane: (cube, side) for side, plane in cube.sides.items() if plane is not None})
     counts = Counter(face.kind for face in before)
     named = []
     for piece, kind in ordered:

@@ -9,7 +9,16 @@ from threadpoolctl import threadpool_limits
 from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
-from indoorfit.fit import Cells, PatchData, fit_joint, intervals
+from indoorfit.fit import (
+    Cells,
+    PatchData,
+    associate,
+    build_cells,
+    edge_exchange_std,
+    fit_greedy,
+    fit_joint,
+    intervals,
+)
 from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
 from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
 from indoorfit.orient import orient
@@ -89,6 +98,14 @@ def _fit(
 ) -> _Fitted:
     # Four surfels a square on average: the finest raster in which a full surface has no holes.
     pixel_m = 2.0 * float(np.sqrt(local.area_m2))
+    if config.method == "greedy":
+        with watch.stage("fit"):
+            point_surfel = voxels.point_voxel
+            greedy = fit_greedy(scan, frame, local, segments, classes, point_surfel, config.greedy, rng)
+            points_m = greedy.frame.to_manhattan(scan.points_m)
+            patches = associate(points_m, greedy.shape, config.joint.association, pixel_m)
+            cells = build_cells(patches, greedy.shape)
+        return _Fitted(greedy.shape, greedy.frame, patches, cells, pixel_m, greedy.notes, greedy.converged)
     with watch.stage("discover"):
         start, notes = discover(local, segments, classes, config.discover)
     log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
@@ -118,6 +135,7 @@ def _measure(
             np.array([measurand.value for measurand in wanted]),
             np.stack([measurand.gradient for measurand in wanted]),
             fitted.pixel_m,
+            edge_exchange_std(shape, fitted.patches.plane_rms_m),
             config.level,
             config.intervals,
             rng,

@@ -72,7 +72,7 @@ def test_wall_classes_are_seen_from_the_components_own_origin():
 def test_components_are_split_where_the_gap_exceeds_the_link():
     line_m = np.stack([np.arange(0.0, 1.0, 0.05), np.zeros(20), np.zeros(20)], axis=1)
     gaps_m = [0.0, 1.1, 2.4]
-    surfels_m = np.concatenate([line_m + [gap, 0.0, 0.0] for gap in gaps_m])
+    surfels_m = np.concatenate([line_m + np.array([gap, 0.0, 0.0]) for gap in gaps_m])
     labels = np.repeat(np.arange(3), 20)
     cloud = segment_points(surfels_m, labels, surfels_m, labels, 3)
     assert connected_segments(cloud, [0, 1, 2], 0.20) == [(0, 1), (2,)]

@@ -66,7 +66,7 @@ def test_greedy_turns_with_the_scan():
     _, front = preset("X")
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     turned = front_end(Scan(front.scan.points_m @ turn.T), np.eye(3)).fit()
-    # Voxels fall differently, hence segments and RANSAC draws; both fits are within the tolerance of the truth.
+    # Voxels fall differently, hence segments and RANSAC draws; both fits are within ATOL_M of the truth.
     expected = front_end(front.scan, turn).fit()
     assert_same_rooms(turned.shape, expected.shape, 2 * ATOL_M)
 

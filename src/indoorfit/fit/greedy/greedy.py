@@ -102,15 +102,10 @@ def fit_greedy(
     Raises:
         InputError: no floor and no ceiling, no wall along x or along y, or nothing left of the room.
     """
-    cloud = segment_points(
-        frame.to_manhattan(scan.points_m),
-        segments.labels[point_surfel],
-        surfels.positions_m,
-        segments.labels,
-        segments.n_segments,
-    )
+    points_m, labels = frame.to_manhattan(scan.points_m), segments.labels
+    cloud = segment_points(points_m, labels[point_surfel], surfels.positions_m, labels, segments.n_segments)
     usable = _usable(segments, classes, config)
-    planes = {k: ransac_plane(str(k), cloud.points([k]), _ORIGIN, config, rng) for k in sorted(usable)}
+    planes = {k: ransac_plane(str(k), cloud.points([k]), _ORIGIN, config, rng) for k in usable}
     selected = _select_farthest(usable, planes, config)
     _require_walls(selected)
     cube, inferred = _first_cube(cloud, usable, selected, config, rng)
@@ -120,13 +115,11 @@ def fit_greedy(
     cloud = cloud.turned(R_new_old)
     planes = {k: _turned(plane, R_new_old) for k, plane in planes.items()}
     tree = CubeTree()
-    centre_m = R_new_old @ cube.centre_m
-    bounds_m = np.array([centre_m - 0.5 * cube.size_m, centre_m + 0.5 * cube.size_m])
+    bounds_m = R_new_old @ cube.centre_m + np.outer([-0.5, 0.5], cube.size_m)
     room = tree.add_room(bounds_m, _status(inferred))
     link_m = max(config.link_m, config.link_spacings * surfels.spacing_m)
     details = DetailFitter(cloud, planes, tree, link_m, config, rng)
-    taken = {k for group in selected.values() for k in group}
-    details.add([k for k in sorted(usable) if usable[k] in WALLS and k not in taken], room)
+    details.add(_remaining_walls(usable, selected), room)
 
     shape = tree.shape()
     steps = (
@@ -135,8 +128,9 @@ def fit_greedy(
         *details.steps,
     )
     notes = (*_inferred_notes(inferred), *_unused_notes(details.unused, segments), *_check_room(shape))
-    turned = Frame(R_new_old @ frame.R_manhattan_scan, frame.origin_scan_m)
-    return GreedyFit(shape, turned, steps, notes, cube.converged)
+    return GreedyFit(
+        shape, Frame(R_new_old @ frame.R_manhattan_scan, frame.origin_scan_m), steps, notes, cube.converged
+    )
 
 
 def _usable(
@@ -163,6 +157,14 @@ def _select_farthest(
         for name, members in _by_class(usable).items()
         if members
     }
+
+
+def _remaining_walls(
+    usable: Mapping[int, FaceClass], selected: Mapping[FaceClass, tuple[int, ...]]
+) -> list[int]:
+    """Wall segments that the first cube did not use (3.2.5)."""
+    taken = {k for group in selected.values() for k in group}
+    return [k for k in usable if usable[k] in WALLS and k not in taken]
 
 
 def _require_walls(selected: Mapping[FaceClass, tuple[int, ...]]) -> None:

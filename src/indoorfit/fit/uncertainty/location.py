@@ -39,10 +39,12 @@ def weighted_map(cells: Cells, precisions: Float[np.ndarray, " cells"]) -> Float
 def student_t_precisions(
     cells: Cells, dof: float, max_steps: int = 50, tolerance: float = 1e-6
 ) -> Float[np.ndarray, " cells"]:
-    """Cell precisions of a Student-t fit with base weights sqrt(count), 1/m^2.
+    """Cell precisions of a Student-t fit with base weights 1 / s, 1/m^2.
 
-    sqrt(n) lies between n (right for point noise alone) and 1 (right for registration error alone) and does
-    not depend on the noise model, so that the estimate stands still when the field becomes nearly singular.
+    s, the standard error from the points alone, makes 1 / s lie between 1 / s^2 (right for point noise
+    alone) and 1 (right for registration error alone). It does not depend on the noise model, so that the
+    estimate stands still when the field becomes nearly singular. Cells that are seen from far away or at a
+    grazing angle are noisy and biased together, and count for less, as sqrt(n) alone would not have it.
 
     Args:
         cells: residuals and design.
@@ -50,7 +52,10 @@ def student_t_precisions(
         max_steps: of the reweighting, which converges linearly; more than enough.
         tolerance: largest relative change of a weight that counts as standing still.
     """
-    base = np.sqrt(cells.counts / np.mean(cells.counts))
+    # Floored at a thousandth of the median: exact cells of a noise-free simulation must not take over.
+    point_std_m = np.sqrt(cells.variances_m2)
+    base = 1.0 / np.maximum(point_std_m, 1e-3 * np.median(point_std_m) + 1e-12)
+    base = base / np.mean(base)
     # Medians per plane start inside the bulk even where a third of a wall is furniture.
     centre = np.zeros(int(cells.plane.max()) + 1)
     for plane in np.unique(cells.plane):

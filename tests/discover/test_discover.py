@@ -1,0 +1,123 @@
+"""The structure of a room is found whatever hides its walls, and what is no room is refused."""
+
+import numpy as np
+import pytest
+from scipy.optimize import linear_sum_assignment
+from synthetic import KINDS, discovered, virtual
+
+from indoorfit.errors import InputError
+from indoorfit.geometry import exposures
+from indoorfit.model import Scan, Shape
+
+
+def outline(shape: Shape, role: str) -> np.ndarray:
+    """What two grammars of one room share in any frame: the sizes of the cubes, each in increasing order."""
+    bounds = shape.bounds_m()
+    cubes = [bounds[cube.id] for cube in shape.cubes if cube.role == role]
+    return np.array([np.sort(high - low) for low, high in cubes]).reshape(-1, 3)
+
+
+def assert_same_room(found: Shape, true: Shape, limit_m: float) -> None:
+    """Every cube of one grammar has its like in the other, one to one."""
+    for role in ("room", "notch", "pillar", "part"):
+        a, b = outline(found, role), outline(true, role)
+        assert len(a) == len(b), f"{len(a)} instead of {len(b)} cubes are a {role}"
+        misfit = np.abs(a[:, None] - b[None]).max(axis=2)
+        rows, columns = linear_sum_assignment(misfit)
+        assert misfit[rows, columns].max(initial=0.0) < limit_m
+
+
+LIMIT_M = 0.01
+"""Discovery places planes at medians of surfels; a centimetre is a tenth of what the fit's reach allows."""
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_cubes_of_every_kind_of_room_are_found(kind):
+    scan = virtual(kind, 1, n_points=40_000, yaw_deg=28, tilt_deg=3, azimuth_deg=70)
+    shape, _ = discovered(scan.scan)
+    assert_same_room(shape, scan.shape, LIMIT_M)
+    assert all(plane.status == "observed" for plane in shape.planes)
+    assert all(exposure.area_m2 > 0 for exposure in exposures(shape))
+
+
+@pytest.mark.parametrize("kind", ["box", "L", "U", "stair"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_furniture_and_windows_are_not_part_of_the_room(kind, seed):
+    scan = virtual(kind, seed, n_points=50_000, yaw_deg=64, n_furniture=2, n_windows=2, furniture_hides=True)
+    shape, _ = discovered(scan.scan)
+    assert_same_room(shape, scan.shape, LIMIT_M)
+
+
+@pytest.mark.parametrize("kind", ["box", "L", "T"])
+def test_a_wall_that_nobody_saw_is_inferred_where_floor_and_ceiling_end(kind):
+    plane = 2  # The first wall of the room's own cube: -x.
+    scan = virtual(kind, 3, n_points=50_000, missing_planes=(plane,))
+    shape, _ = discovered(scan.scan)
+    inferred = [p for p in shape.planes if p.status == "inferred"]
+    assert len(inferred) == 1
+    # Floor and ceiling end within a surfel's spacing, some 6 cm; hence half of that and the noise.
+    assert_same_room(shape, scan.shape, 0.05)
+
+
+@pytest.mark.parametrize("kind", ["box", "L"])
+def test_a_room_without_ceiling_keeps_its_walls_and_takes_its_height_from_them(kind):
+    scan = virtual(kind, 4, n_points=50_000, missing_planes=(1,))
+    shape, _ = discovered(scan.scan)
+    (ceiling,) = [p for p in shape.planes if p.face_class == "ceiling"]
+    assert ceiling.status == "inferred"
+    # The top of the walls: the 99th percentile of 2.7 m of surfels, a few centimetres below.
+    assert_same_room(shape, scan.shape, 0.10)
+
+
+def test_a_cloud_without_floor_is_refused():
+    scan = virtual("box", 5, n_points=40_000, missing_planes=(0,))
+    with pytest.raises(InputError, match=r"no floor.*Fix:"):
+        discovered(scan.scan)
+
+
+def test_a_table_is_no_floor():
+    scan = virtual("box", 6, n_points=40_000, missing_planes=(0,), n_furniture=3)
+    with pytest.raises(InputError, match=r"no floor.*Fix:"):
+        discovered(scan.scan)
+
+
+def test_what_one_wall_and_a_floor_leave_open_is_inferred_or_refused():
+    rng = np.random.default_rng(7)
+    floor = rng.uniform(0, 1, (10_000, 3)) * (4, 3, 0)
+    wall = rng.uniform(0, 1, (10_000, 3)) * (4, 0, 2.5)
+    scan = Scan(np.vstack([floor, wall]) + rng.normal(0, 0.004, (20_000, 3)))
+    try:
+        shape, _ = discovered(scan)
+    except InputError as error:
+        assert "Fix:" in str(error)
+    else:
+        assert sum(plane.status == "inferred" for plane in shape.planes) == 4
+
+
+@pytest.mark.parametrize("partition_m", [0.12, 0.15, 0.25])
+def test_two_rooms_side_by_side_are_two_with_a_wall_between(partition_m):
+    first, second = virtual("box", 8, n_points=100_000), virtual("box", 9, n_points=100_000)
+    points_m = np.vstack([first.scan.points_m, second.scan.points_m + (5.0 + partition_m, 0.0, 0.0)])
+    shape, _ = discovered(Scan(points_m))
+    assert len(shape.rooms) == 2
+    assert len(shape.planes) == 12
+    for room in shape.rooms:
+        low, high = shape.bounds_m()[room.id]
+        np.testing.assert_allclose(np.sort(high - low), (2.7, 4.0, 5.0), atol=LIMIT_M)
+
+
+def test_a_step_in_the_ceiling_is_named():
+    scan = virtual("box", 10, n_points=60_000, missing_planes=(1,)).scan
+    rng = np.random.default_rng(10)
+    high = rng.uniform(0, 1, (10_000, 3)) * (3.5, 4.0, 0) + (0, 0, 2.7)
+    low = rng.uniform(0, 1, (4_000, 3)) * (1.5, 4.0, 0) + (3.5, 0, 2.3)
+    ceiling = np.vstack([high, low]) + rng.normal(0, 0.004, (14_000, 3))
+    _, notes = discovered(Scan(np.vstack([scan.points_m, ceiling])))
+    assert "CEILING_STEP" in [note.code for note in notes]
+    text = next(note.message for note in notes if note.code == "CEILING_STEP")
+    assert "0.40 m below" in text
+
+
+def test_same_scan_gives_the_same_shape():
+    scan = virtual("X", 11, n_points=30_000, yaw_deg=10).scan
+    assert discovered(scan)[0] == discovered(scan)[0]

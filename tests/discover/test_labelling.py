@@ -1,0 +1,82 @@
+"""The labelling of the plan's cells is the exact minimum of its energy."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from indoorfit.discover.evidence import Evidence
+from indoorfit.discover.labelling import LabelConfig, label_cells
+
+
+N_SURFELS = 10_000
+
+
+def random_evidence(nx: int, ny: int, rng: np.random.Generator) -> Evidence:
+    return Evidence(
+        ceiling=rng.uniform(0, 1, (nx, ny)),
+        floor=rng.uniform(0, 1, (nx, ny)),
+        top_m=np.full((nx, ny), 2.5),
+        walls=(rng.uniform(0, 1, (nx + 1, ny)), rng.uniform(0, 1, (nx, ny + 1))),
+    )
+
+
+def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) -> float:
+    """The negative log posterior, written out as its documentation says."""
+
+    def odds(share: float, true: float, false: float) -> float:
+        return share * np.log(true / false) + (1 - share) * np.log((1 - true) / (1 - false))
+
+    dx, dy = (np.diff(lines) / config.patch_m for lines in grid)
+    total = 0.0
+    for i, j in np.argwhere(inside):
+        gain = odds(evidence.ceiling[i, j], config.ceiling_inside, config.ceiling_outside)
+        gain += odds(evidence.floor[i, j], config.floor_inside, config.floor_outside)
+        total -= gain * dx[i] * dy[j]
+    padded = np.pad(inside, 1)
+    for axis, widths in ((0, dy), (1, dx)):
+        border = np.diff(padded.astype(int), axis=axis) != 0
+        border = border[:, 1:-1] if axis == 0 else border[1:-1, :]
+        for i, j in np.argwhere(border):
+            width = widths[j] if axis == 0 else widths[i]
+            total -= odds(evidence.walls[axis][i, j], config.wall_between, config.wall_elsewhere) * width
+    corners = padded[1:, 1:].astype(int) - padded[:-1, 1:] - padded[1:, :-1] + padded[:-1, :-1]
+    return total + 0.5 * np.log(N_SURFELS) * np.abs(corners).sum()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_other_labelling_has_a_lower_energy(seed):
+    rng = np.random.default_rng(seed)
+    nx, ny = 3, 3
+    evidence = random_evidence(nx, ny, rng)
+    grid = tuple(np.cumsum(rng.uniform(0.2, 1.0, n + 1)) for n in (nx, ny))
+    config = LabelConfig()
+    found = energy(label_cells(evidence, grid, N_SURFELS, config), evidence, grid, config)
+    best = min(
+        energy(np.array(bits, bool).reshape(nx, ny), evidence, grid, config)
+        for bits in product([0, 1], repeat=nx * ny)
+    )
+    # HiGHS stops within the relative gap that it is given, 1e-3 of the optimum.
+    assert found <= best + 1e-3 * abs(best) + 1e-9
+
+
+def test_a_room_that_is_seen_in_full_is_inside_and_the_rest_is_not():
+    evidence = Evidence(
+        ceiling=np.array([[0.0], [1.0], [0.0]]),
+        floor=np.array([[0.0], [1.0], [0.0]]),
+        top_m=np.full((3, 1), 2.5),
+        walls=(np.array([[0.0], [1.0], [1.0], [0.0]]), np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 0.0]])),
+    )
+    grid = (np.array([0.0, 2.0, 6.0, 8.0]), np.array([0.0, 4.0]))
+    np.testing.assert_array_equal(label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [False, True, False])
+
+
+def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
+    evidence = Evidence(
+        ceiling=np.zeros((2, 1)),
+        floor=np.array([[0.9], [0.0]]),
+        top_m=np.full((2, 1), 2.5),
+        walls=(np.array([[1.0], [1.0], [0.0]]), np.array([[1.0, 1.0], [0.0, 0.0]])),
+    )
+    grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 4.0]))
+    np.testing.assert_array_equal(label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [True, False])

@@ -1,0 +1,52 @@
+"""Residuals of patches and their derivatives say what moving and turning the planes does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from synthetic import virtual
+
+from indoorfit.fit import AssociationConfig, associate, build_cells
+from indoorfit.fit.residuals import with_inferred
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    scan = virtual("L", n_points=20_000)
+    patches = associate(scan.frame.to_manhattan(scan.scan.points_m), scan.shape, AssociationConfig(), 0.15)
+    return scan.shape, patches, build_cells(patches, scan.shape)
+
+
+def test_derivatives_are_those_of_the_signed_distance(fitted):
+    shape, patches, cells = fitted
+    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
+
+    def distances(parameters):
+        normals = Rotation.from_rotvec(parameters[:3]).as_matrix()[:, axes].T
+        return np.sum(normals * patches.means_m, axis=1) - (shape.offsets_m + parameters[3:])[patches.plane]
+
+    np.testing.assert_allclose(distances(np.zeros(cells.n_params)), cells.residuals_m, atol=1e-14)
+    for k in range(cells.n_params):
+        step = 1e-6 * np.eye(cells.n_params)[k]
+        numeric = (distances(step) - distances(-step)) / 2e-6
+        # Rounding 1e-16 * 5 m / 1e-6; the truncation is a thousandth of it.
+        np.testing.assert_allclose(cells.design[:, k], numeric, atol=2e-9)
+
+
+def test_planes_without_points_get_one_cell_of_the_given_width(fitted):
+    shape, patches, cells = fitted
+    keep = patches.plane != 4
+    fewer = replace(
+        patches,
+        plane=patches.plane[keep],
+        means_m=patches.means_m[keep],
+        variances_m2=patches.variances_m2[keep],
+        counts=patches.counts[keep],
+    )
+    extended = with_inferred(build_cells(fewer, shape), shape, 0.07)
+    assert extended.plane.tolist()[-1] == 4
+    assert len(extended.plane) == keep.sum() + 1
+    assert extended.variances_m2[-1] == pytest.approx(0.07**2)
+    np.testing.assert_array_equal(extended.design[-1], -np.eye(cells.n_params)[3 + 4])
+    assert len(with_inferred(cells, shape, 0.07).plane) == len(cells.plane)
