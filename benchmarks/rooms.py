@@ -111,9 +111,11 @@ def run(job: Job) -> Outcome:
     start = time.perf_counter()
     try:
         result = fit_scan(virtual.scan, RunConfig(method=job.method, level=job.level))  # type: ignore[arg-type]
-    except IndoorfitError as error:
+    except Exception as error:
+        # A traceback is a fault of ours, but one room's must not hide the figures of the others.
+        verdict = "refused" if isinstance(error, IndoorfitError) else f"CRASHED with {type(error).__name__}"
         _keep(job, virtual, truth, None)
-        return Outcome(job, None, f"refused: {error}", time.perf_counter() - start)
+        return Outcome(job, None, f"{verdict}: {error}", time.perf_counter() - start)
     seconds = time.perf_counter() - start
     comparison = compare(truth, result)
     if comparison.right and comparison.watertight:

@@ -26,7 +26,10 @@ def virtual(kind: str, seed: int = 0, **settings) -> VirtualScan:
         for name, short in (("yaw", "yaw"), ("tilt", "tilt"), ("tilt_azimuth", "azimuth"))
     }
     return sample_surface(
-        room_shape(kind), SamplingSettings(**angles, **settings), np.random.default_rng(seed), name=f"{kind}.ply"
+        room_shape(kind),
+        SamplingSettings(**angles, **settings),
+        np.random.default_rng(seed),
+        name=f"{kind}.ply",
     )
 
 

@@ -12,7 +12,7 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fit import GreedyConfig, IntervalConfig, JointConfig
+from indoorfit.fit import BeliefConfig, GreedyConfig, JointConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -36,7 +36,7 @@ class RunConfig:
     discover: DiscoverConfig = field(default_factory=DiscoverConfig)
     greedy: GreedyConfig = field(default_factory=GreedyConfig)
     joint: JointConfig = field(default_factory=JointConfig)
-    intervals: IntervalConfig = field(default_factory=IntervalConfig)
+    belief: BeliefConfig = field(default_factory=BeliefConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:

@@ -46,7 +46,8 @@ def test_order_of_segments_does_not_matter(order):
 
 
 @pytest.mark.parametrize(
-    ("angle_deg", "expected"), [(0, "right"), (10, "right"), (13, None), (45, None), (77, None), (80, "front")]
+    ("angle_deg", "expected"),
+    [(0, "right"), (10, "right"), (13, None), (45, None), (77, None), (80, "front")],
 )
 def test_table_3_1_bounds_the_components(angle_deg, expected):
     """Beyond arcsin 0.2 = 11.5 degrees a wall is oblique and has no class."""

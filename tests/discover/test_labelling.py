@@ -68,7 +68,9 @@ def test_a_room_that_is_seen_in_full_is_inside_and_the_rest_is_not():
         walls=(np.array([[0.0], [1.0], [1.0], [0.0]]), np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 0.0]])),
     )
     grid = (np.array([0.0, 2.0, 6.0, 8.0]), np.array([0.0, 4.0]))
-    np.testing.assert_array_equal(label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [False, True, False])
+    np.testing.assert_array_equal(
+        label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [False, True, False]
+    )
 
 
 def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
@@ -79,4 +81,6 @@ def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
         walls=(np.array([[1.0], [1.0], [0.0]]), np.array([[1.0, 1.0], [0.0, 0.0]])),
     )
     grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 4.0]))
-    np.testing.assert_array_equal(label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [True, False])
+    np.testing.assert_array_equal(
+        label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [True, False]
+    )

@@ -82,7 +82,9 @@ def test_coarse_rounds_do_not_change_the_end():
     scan = virtual("U", 6, n_points=60_000)
     all_points = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
     thinned = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(coarse_points=10_000), PIXEL_M)
-    assert thinned.patches.plane_points.sum() == pytest.approx(all_points.patches.plane_points.sum(), rel=1e-3)
+    assert thinned.patches.plane_points.sum() == pytest.approx(
+        all_points.patches.plane_points.sum(), rel=1e-3
+    )
     np.testing.assert_allclose(thinned.shape.offsets_m, all_points.shape.offsets_m, atol=2e-5)
 
 

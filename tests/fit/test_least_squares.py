@@ -30,7 +30,9 @@ def by_scipy(points_m, plane, weights):
         normals = Rotation.from_rotvec(x[:3]).as_matrix()[:, AXES].T
         return np.sqrt(weights) * (np.sum(normals[plane] * points_m, axis=1) - x[3:][plane])
 
-    return scipy_least_squares(rows, np.concatenate([np.zeros(3), TRUE_M]), xtol=1e-15, ftol=1e-15, gtol=1e-12)
+    return scipy_least_squares(
+        rows, np.concatenate([np.zeros(3), TRUE_M]), xtol=1e-15, ftol=1e-15, gtol=1e-12
+    )
 
 
 def test_minimum_is_that_of_the_points():
@@ -74,7 +76,9 @@ def test_planes_without_points_keep_their_place():
     found = solve(moments, AXES, start)
     # Rounding of the solver's steps.
     assert found.offsets_m[3] == pytest.approx(1.77, abs=1e-12)
-    np.testing.assert_allclose(np.delete(found.offsets_m, 3), np.delete(TRUE_M, 3), atol=4 * SIGMA_M / np.sqrt(200))
+    np.testing.assert_allclose(
+        np.delete(found.offsets_m, 3), np.delete(TRUE_M, 3), atol=4 * SIGMA_M / np.sqrt(200)
+    )
 
 
 @pytest.mark.parametrize("n_planes", [6, 31, 32, 33, 70])

@@ -64,7 +64,9 @@ def test_roots_are_symmetric_and_square_to_the_scatter():
         centred = points_m[plane == k] - np.average(points_m[plane == k], axis=0, weights=weights[plane == k])
         scatter = (weights[plane == k, None] * centred).T @ centred
         # Rounding of numbers of order 1e6.
-        np.testing.assert_allclose(moments.roots[k] @ moments.roots[k], scatter, atol=1e-8 * np.abs(scatter).max())
+        np.testing.assert_allclose(
+            moments.roots[k] @ moments.roots[k], scatter, atol=1e-8 * np.abs(scatter).max()
+        )
         np.testing.assert_allclose(moments.roots[k], moments.roots[k].T, atol=1e-9 * np.abs(scatter).max())
 
 

@@ -19,7 +19,9 @@ def problem() -> Problem:
     moments = plane_moments(points_m, plane, rng.uniform(1, 3, 200), 6)
     free = (moments.weights > 0).astype(float)
     weights = np.where(free > 0, moments.weights, 1.0)
-    return Problem(np.eye(3)[np.arange(6) % 3], weights, moments.means_m, moments.roots, free, np.linspace(-1, 1, 6))
+    return Problem(
+        np.eye(3)[np.arange(6) % 3], weights, moments.means_m, moments.roots, free, np.linspace(-1, 1, 6)
+    )
 
 
 def cost(vector, problem: Problem):
@@ -54,7 +56,9 @@ def test_jacobian_equals_central_differences_residual_by_residual(problem):
         jacobian = np.asarray(jax.jacfwd(rows)(jnp.asarray(x)))
         for k in range(9):
             step = 1e-5 * np.eye(9)[k]
-            numeric = (np.asarray(rows(jnp.asarray(x + step))) - np.asarray(rows(jnp.asarray(x - step)))) / 2e-5
+            numeric = (
+                np.asarray(rows(jnp.asarray(x + step))) - np.asarray(rows(jnp.asarray(x - step)))
+            ) / 2e-5
             # Truncation h^2 = 1e-10 and rounding 1e-16 / 1e-5 = 1e-11, times numbers of order 20.
             np.testing.assert_allclose(jacobian[:, k], numeric, atol=1e-8)
 
@@ -65,7 +69,9 @@ def test_rotation_matrix_is_the_exponential(angle):
     with jax.enable_x64(True):
         matrix = np.asarray(rotation_matrix(jnp.asarray(vector)))
     # Rounding; 1 - cos(x) loses digits below 1e-3, but is multiplied by x^2.
-    np.testing.assert_allclose(matrix, Rotation.from_rotvec(vector).as_matrix(), atol=1e-15 + 1e-14 * (angle > 0))
+    np.testing.assert_allclose(
+        matrix, Rotation.from_rotvec(vector).as_matrix(), atol=1e-15 + 1e-14 * (angle > 0)
+    )
 
 
 def test_planes_without_points_are_held_and_do_not_turn_the_room(problem):

@@ -1,5 +1,6 @@
 """The stored solver is the solver: same numbers, and never in the way."""
 
+import jax
 import numpy as np
 import pytest
 
@@ -61,8 +62,6 @@ def test_a_damaged_entry_is_replaced(cache_at, tmp_path, content):
 
 
 def test_name_of_the_entry_changes_with_the_code_and_the_versions(monkeypatch):
-    import jax
-
     jax_dir = jax.config.jax_compilation_cache_dir
     try:
         jax.config.update("jax_compilation_cache_dir", "somewhere")

@@ -22,7 +22,9 @@ def axis_error_deg(frame, truth) -> tuple[float, float]:
 
 @pytest.mark.parametrize("kind", ["box", "L", "X", "stair"])
 @pytest.mark.parametrize(
-    ("yaw_deg", "tilt_deg"), [(0, 0), (44, 6), (137, 15), (-80, 15)], ids=["level", "turned", "tilted", "both"]
+    ("yaw_deg", "tilt_deg"),
+    [(0, 0), (44, 6), (137, 15), (-80, 15)],
+    ids=["level", "turned", "tilted", "both"],
 )
 def test_frame_is_found_to_a_tenth_of_a_degree(kind, yaw_deg, tilt_deg):
     scan = virtual(kind, 1, n_points=30_000, yaw_deg=yaw_deg, tilt_deg=tilt_deg, azimuth_deg=33)
@@ -39,8 +41,6 @@ def test_frame_is_found_to_a_tenth_of_a_degree_with_depth_camera_noise(kind):
     frame, _, _ = oriented(scan.scan)
     # Requirement.
     assert max(axis_error_deg(frame, scan.frame)) < 0.1
-
-
 
 
 def in_file_axes(up: str, **settings):

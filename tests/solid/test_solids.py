@@ -129,7 +129,9 @@ def test_a_pillar_makes_a_hole_in_floor_and_ceiling():
     mask[1, 1] = False
     shape = shape_from_plan([0.0, 1.0, 2.0, 4.0], [0.0, 1.5, 2.0, 3.0], [mask], [(0.0, 2.5)])
     polygons = face_polygons(solid_of(shape))
-    rings = {shape.planes[p.plane].face_class: len(p.rings_m) for p in polygons if shape.planes[p.plane].axis == 2}
+    rings = {
+        shape.planes[p.plane].face_class: len(p.rings_m) for p in polygons if shape.planes[p.plane].axis == 2
+    }
     assert rings == {"floor": 2, "ceiling": 2}
     assert len(polygons) == 10
 

@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 from indoorfit.errors import InputError
 from indoorfit.model import Frame, Scan, Shape
 
-from .association import AssociationConfig, PatchData, associate
+from .association import AssociationConfig, associate
 from .least_squares import solve
 from .moments import plane_moments
+from .patches import PatchData
 from .residuals import build_cells
 from .uncertainty import Cells
 from .uncertainty.location import student_t_precisions
@@ -40,7 +41,7 @@ class JointFit:
 
     shape: Shape
     frame: Frame
-    patches: PatchData
+    data: PatchData
     cells: Cells
     cost: float
     """Half the weighted sum of squares at the minimum."""
@@ -78,10 +79,10 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
             still = moved_m < config.settle * config.association.reach_m
     frame = Frame(state.rotation, frame.origin_scan_m)
-    assert state.patches is not None, "at least one round was made"
+    assert state.data is not None, "at least one round was made"
     assert state.cells is not None, "at least one round was made"
     return JointFit(
-        state.shape, frame, state.patches, state.cells, state.cost, steps, rounds, still and state.solved
+        state.shape, frame, state.data, state.cells, state.cost, steps, rounds, still and state.solved
     )
 
 
@@ -91,7 +92,7 @@ class _State:
 
     shape: Shape
     rotation: Float[np.ndarray, "3 3"]
-    patches: PatchData | None = None
+    data: PatchData | None = None
     cells: Cells | None = None
     cost: float = 0.0
     solved: bool = False
@@ -102,13 +103,13 @@ def _round(
 ) -> tuple[_State, float, int]:
     """One association and one least squares solution; also the largest movement (m) and solver steps."""
     shape = state.shape
-    patches = associate(local_m @ state.rotation.T, shape, config.association, pixel_m)
+    data = associate(local_m @ state.rotation.T, shape, config.association, pixel_m)
+    patches = data.patches
     if len(patches.plane) == 0:
         raise InputError(
             "fit: no points lie on the walls that were found. Fix: check --unit; lower segment.min_surfels."
         )
-    cells = build_cells(patches, shape)
-    weights = student_t_precisions(cells, config.student_dof)
+    weights = student_t_precisions(build_cells(patches, shape), config.student_dof)
     axes = np.array([plane.axis for plane in shape.planes])
     moments = plane_moments(patches.means_m, patches.plane, weights, len(axes))
     solution = solve(moments, axes, shape.offsets_m)
@@ -118,6 +119,12 @@ def _round(
     moved_m = float(np.max(np.abs(solution.offsets_m - shape.offsets_m)))
     moved_m += float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
     shape = shape.with_offsets(solution.offsets_m)
-    rotation = turn.T @ state.rotation
-    cells = build_cells(patches, shape)
-    return _State(shape, rotation, patches, cells, solution.cost, solution.converged), moved_m, solution.steps
+    after = _State(
+        shape=shape,
+        rotation=turn.T @ state.rotation,
+        data=replace(data, patches=patches),
+        cells=build_cells(patches, shape),
+        cost=solution.cost,
+        solved=solution.converged,
+    )
+    return after, moved_m, solution.steps

@@ -1,15 +1,24 @@
 """Residuals of patches and their derivatives with respect to rotation and plane offsets."""
 
 import numpy as np
+from jaxtyping import Float
 
 from indoorfit.model import Shape
 
-from .association import PatchData
+from .patches import Patches
 from .uncertainty import Cells
 
 
-def build_cells(patches: PatchData, shape: Shape) -> Cells:
-    """Patches as residuals and their derivatives at the shape's present planes (statistics 3.1)."""
+def build_cells(
+    patches: Patches, shape: Shape, frame_centres_m: Float[np.ndarray, "frames 3"] | None = None
+) -> Cells:
+    """Patches as residuals and their derivatives at the shape's present planes.
+
+    Args:
+        patches: Manhattan frame.
+        shape: with the planes' present offsets.
+        frame_centres_m: sensor positions, Manhattan frame, where known.
+    """
     axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
     n = len(patches.plane)
     design = np.zeros((n, 3 + len(shape.planes)))
@@ -22,6 +31,8 @@ def build_cells(patches: PatchData, shape: Shape) -> Cells:
         residuals_m=patches.means_m[np.arange(n), axes] - shape.offsets_m[patches.plane],
         variances_m2=patches.variances_m2,
         counts=patches.counts,
+        frames=patches.frames,
+        frame_centres_m=frame_centres_m,
     )
 
 

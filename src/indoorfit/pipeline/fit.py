@@ -13,8 +13,9 @@ from indoorfit.fit import (
     Cells,
     PatchData,
     associate,
+    believe,
     build_cells,
-    edge_exchange_std,
+    cells_by_frame,
     fit_greedy,
     fit_joint,
     intervals,
@@ -72,8 +73,9 @@ class _Fitted:
 
     shape: Shape
     frame: Frame
-    patches: PatchData
+    data: PatchData
     cells: Cells
+    frame_cells: Cells | None
     pixel_m: float
     notes: tuple[Note, ...]
     converged: bool
@@ -102,17 +104,23 @@ def _fit(
         with watch.stage("fit"):
             point_surfel = voxels.point_voxel
             greedy = fit_greedy(scan, frame, local, segments, classes, point_surfel, config.greedy, rng)
-            points_m = greedy.frame.to_manhattan(scan.points_m)
-            patches = associate(points_m, greedy.shape, config.joint.association, pixel_m)
-            cells = build_cells(patches, greedy.shape)
-        return _Fitted(greedy.shape, greedy.frame, patches, cells, pixel_m, greedy.notes, greedy.converged)
-    with watch.stage("discover"):
-        start, notes = discover(local, segments, classes, config.discover)
-    log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
-    with watch.stage("fit"):
-        joint = fit_joint(scan, frame, start, config.joint, pixel_m)
-    log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
-    return _Fitted(joint.shape, joint.frame, joint.patches, joint.cells, pixel_m, notes, joint.converged)
+            shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
+            data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
+            cells, converged = build_cells(data.patches, shape), greedy.converged
+    else:
+        with watch.stage("discover"):
+            start, notes = discover(local, segments, classes, config.discover)
+        log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
+        with watch.stage("fit"):
+            joint = fit_joint(scan, frame, start, config.joint, pixel_m)
+        log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
+        shape, frame, data = joint.shape, joint.frame, joint.data
+        cells, converged = joint.cells, joint.converged
+    frame_cells = None
+    if scan.frame_ids is not None and config.method == "joint":
+        with watch.stage("frames"):
+            frame_cells = cells_by_frame(scan, frame, shape, config.joint.association, pixel_m)
+    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)
 
 
 def _measure(
@@ -123,36 +131,45 @@ def _measure(
     rng: np.random.Generator,
     watch: Stopwatch,
 ) -> FitResult:
-    shape = fitted.shape
+    with watch.stage("intervals"):
+        belief = believe(
+            fitted.cells,
+            fitted.frame_cells,
+            fitted.shape,
+            fitted.frame,
+            fitted.data.plane_rms_m,
+            fitted.pixel_m,
+            config.belief,
+            rng,
+        )
+    shape = belief.shape
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
         found = survey(shape, solids, [face_polygons(solid) for solid in solids])
     with watch.stage("intervals"):
         wanted = measurands(found, len(shape.planes))
-        spread = intervals(
-            fitted.cells,
-            shape,
-            np.array([measurand.value for measurand in wanted]),
-            np.stack([measurand.gradient for measurand in wanted]),
-            fitted.pixel_m,
-            edge_exchange_std(shape, fitted.patches.plane_rms_m),
-            config.level,
-            config.intervals,
-            rng,
-        )
+        values = np.array([measurand.value for measurand in wanted])
+        gradients = np.stack([measurand.gradient for measurand in wanted])
+        spread = intervals(belief, values, gradients, config.level)
     closed = all(solid.is_closed for solid in solids)
-    patches = fitted.patches
+    data = fitted.data
     return assemble(
         shape,
-        fitted.frame,
+        belief.frame,
         found,
-        PlaneEvidence(patches.plane_points, patches.coverage, patches.plane_rms_m),
+        PlaneEvidence(data.plane_points, data.coverage, data.plane_rms_m),
         Spread(spread.std, spread.low, spread.high),
         Verdict(
             method=config.method,
             level=config.level,
-            noise=spread.noise,
-            notes=(*notes, *fitted.notes, *face_notes(shape, found), *_doubts(closed, fitted.converged)),
+            noise=belief.noise,
+            notes=(
+                *notes,
+                *fitted.notes,
+                *belief.notes,
+                *face_notes(shape, found),
+                *_doubts(closed, fitted.converged),
+            ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
         ),

@@ -57,6 +57,9 @@ class PoseFieldConfig:
     displaced_sigmas: float = 5.0
     """Frames whose slip lies this many robust sigmas from the median frame's were put there by hand or by a
     wrong match: they keep their slip, but not as evidence of how far ordinary frames are off."""
+    max_displaced: float = 0.25
+    """Largest share of frames that can be displaced: the median frame must stand for the rest, and where
+    more seem to be, what they call the rest may be the displaced ones."""
     sweeps: int = 3
     """Mode, weights, screening and relinearisation in turn."""
     draws: int = 24
@@ -200,10 +203,12 @@ def _reweight(
     score = np.abs(shift) / np.sqrt(np.maximum(variance - robust.inflation_m2, 1e-18))
     limit = config.screen_sigmas * MAD_TO_STD * float(np.median(score))
     inflation = np.where(score > limit, shift**2, 0.0)
-    return Robustness(weights, inflation, _displacements(state.slips, config.displaced_sigmas))
+    return Robustness(weights, inflation, _displacements(state.slips, config))
 
 
-def _displacements(slips: Float[np.ndarray, "frames 6"], sigmas: float) -> Float[np.ndarray, "frames 6"]:
+def _displacements(
+    slips: Float[np.ndarray, "frames 6"], config: PoseFieldConfig
+) -> Float[np.ndarray, "frames 6"]:
     """Squared distance from the median slip for frames beyond the limit, else 0.
 
     A Gaussian prior would split the difference between a displaced block and the rest, and so shift the
@@ -213,7 +218,10 @@ def _displacements(slips: Float[np.ndarray, "frames 6"], sigmas: float) -> Float
     spread = np.abs(away).reshape(len(slips), 2, SLIP // 2)
     # One scale for the three axes: drift and jitter have no preferred one, and frames are few.
     scale = MAD_TO_STD * np.median(spread, axis=(0, 2))
-    beyond = np.repeat(np.any(spread > sigmas * scale[:, None], axis=2), SLIP // 2, axis=1)
+    beyond = np.any(spread > config.displaced_sigmas * scale[:, None], axis=2)
+    if np.mean(np.any(beyond, axis=1)) > config.max_displaced:
+        return np.zeros_like(slips)
+    beyond = np.repeat(beyond, SLIP // 2, axis=1)
     return np.where(beyond, away**2, 0.0)
 
 

@@ -1,0 +1,194 @@
+"""What is believed of the planes after the fit: one geometry, and how far it may be off."""
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial.transform import Rotation
+
+from indoorfit.geometry import exposures, room_of_planes
+from indoorfit.model import Frame, Note, Shape
+
+from .residuals import with_inferred
+from .uncertainty import (
+    Cells,
+    Contrasts,
+    FusionConfig,
+    PoseFieldConfig,
+    Predictive,
+    WallFieldConfig,
+    pose_field_predictive,
+    pose_obstacle,
+    wall_field_predictive,
+)
+
+
+@dataclass(frozen=True)
+class BeliefConfig:
+    """The noise models."""
+
+    wall_field: WallFieldConfig = field(default_factory=WallFieldConfig)
+    """The Gaussian-process field of wall residuals: for any scan."""
+    pose_field: PoseFieldConfig = field(default_factory=PoseFieldConfig)
+    """Random slips of the frames: for scans that keep the frame of every point."""
+    fusion: FusionConfig = field(default_factory=FusionConfig)
+    """When the two contradict each other."""
+
+
+@dataclass(frozen=True)
+class Belief:
+    """A geometry and one or two distributions around it."""
+
+    shape: Shape
+    frame: Frame
+    wall: Predictive
+    """From the wall field."""
+    pose: Predictive | None
+    """From the pose field, where frames are known."""
+    wall_share: float
+    """Weight of the wall field, 0 to 1."""
+    torn: bool
+    """Whether the two contradict each other; intervals then reach over both."""
+    noise: dict[str, Any]
+    """The estimated noise model, with an `explanation` in plain words."""
+    notes: tuple[Note, ...]
+
+
+_CONDITIONS = (
+    "Intervals assume that the scan's scale is true: an error of scale leaves no trace in the points."
+)
+_BLIND = (
+    "They also assume that different faces were registered independently: without frame ids a whole face "
+    "that slipped leaves no trace either."
+)
+
+
+def believe(
+    cells: Cells,
+    frame_cells: Cells | None,
+    shape: Shape,
+    frame: Frame,
+    plane_rms_m: Float[np.ndarray, " planes"],
+    inferred_std_m: float,
+    config: BeliefConfig,
+    rng: np.random.Generator,
+) -> Belief:
+    """Distribution of rotation and plane offsets.
+
+    Without frame ids the wall field alone, at the fitted geometry. With them the conservative fusion with
+    the pose field: weights by 1/u^2, full correlation. The weights are those of the model as a whole and
+    not of each dimension, so that the reported lengths are those of one geometry. Where the two contradict
+    each other the values are the wall field's and the intervals reach over both: a displaced block and a
+    pose fit in a wrong mode look alike from here.
+
+    Args:
+        cells: residuals of the fit at `shape`, per patch.
+        frame_cells: the same per frame and patch, or None.
+        shape: fitted.
+        frame: fitted.
+        plane_rms_m: spread of the points about each plane.
+        inferred_std_m: standard uncertainty of planes without points.
+        config: see `BeliefConfig`.
+        rng: for the draws of the noise scales.
+    """
+    theta = np.concatenate([np.zeros(3), shape.offsets_m])
+    contrasts = Contrasts(_parallel_gaps(shape), theta)
+    everything = with_inferred(cells, shape, inferred_std_m)
+    extra = np.diag(np.concatenate([np.zeros(3), np.square(edge_exchange_std(shape, plane_rms_m))]))
+    wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
+    wall = replace(wall, covariances=wall.covariances + extra)
+    if frame_cells is None or pose_obstacle(frame_cells, config.pose_field) is not None:
+        noise = dict(wall.noise)
+        noise["explanation"] = f"{noise.pop('sentence')} {_CONDITIONS} {_BLIND}"
+        return Belief(shape, frame, wall, None, 1.0, False, noise, ())
+    pose, _ = pose_field_predictive(frame_cells, contrasts, config.pose_field, rng)
+    pose = _completed(replace(pose, covariances=pose.covariances + extra), wall)
+    return _fused(wall, pose, shape, frame, config.fusion)
+
+
+def _parallel_gaps(shape: Shape) -> Float[np.ndarray, "gaps params"]:
+    """One row for every pair of parallel planes of a room: all lengths that it has."""
+    rooms = room_of_planes(shape)
+    n = len(shape.planes)
+    rows = []
+    for i in range(n):
+        for j in range(i + 1, n):
+            if shape.planes[i].axis == shape.planes[j].axis and rooms[i] == rooms[j]:
+                row = np.zeros(3 + n)
+                row[3 + i], row[3 + j] = -1.0, 1.0
+                rows.append(row)
+    return np.array(rows)
+
+
+def _completed(pose: Predictive, wall: Predictive) -> Predictive:
+    """Fill planes that the pose field did not see from the wall field."""
+    missing = np.flatnonzero(~pose.seen)
+    means, covariances = pose.means.copy(), pose.covariances.copy()
+    variances = np.einsum("k,kpp->p", wall.weights, wall.covariances)
+    means[:, missing] = (wall.weights @ wall.means)[missing]
+    covariances[:, missing, missing] += variances[missing]
+    return replace(pose, means=means, covariances=covariances, seen=np.ones_like(pose.seen))
+
+
+def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, config: FusionConfig) -> Belief:
+    precise = (float(np.sum(1.0 / member.std**2)) for member in (wall, pose))
+    wall_precision, pose_precision = precise
+    share = wall_precision / (wall_precision + pose_precision)
+    gap_m = np.abs(wall.mean - pose.mean)
+    torn = gap_m > config.inconsistent_sigmas * np.hypot(wall.std, pose.std)
+    notes: tuple[Note, ...] = ()
+    if torn.any():
+        share = 1.0
+        notes = (_inconsistent_note(int(torn.sum()), len(torn), float(gap_m.max())),)
+    theta = share * (wall.weights @ wall.means) + (1.0 - share) * (pose.weights @ pose.means)
+    turn = Rotation.from_rotvec(theta[:3]).as_matrix()
+    noise = {
+        "model": "fusion",
+        "wall_share": share,
+        "wall_field": dict(wall.noise),
+        "pose_field": dict(pose.noise),
+        "explanation": f"{pose.noise['sentence']} {_CONDITIONS}",
+    }
+    return Belief(
+        shape=shape.with_offsets(theta[3:]),
+        frame=replace(frame, R_manhattan_scan=turn.T @ frame.R_manhattan_scan),
+        wall=wall,
+        pose=pose,
+        wall_share=share,
+        torn=bool(torn.any()),
+        noise=noise,
+        notes=notes,
+    )
+
+
+def _inconsistent_note(n_torn: int, n_gaps: int, gap_m: float) -> Note:
+    return Note(
+        "REGISTRATION_INCONSISTENT",
+        f"A block of frames may be displaced: with the frames' slips taken out, {n_torn} of {n_gaps} distances "
+        f"between parallel faces move by up to {1e3 * gap_m:.0f} mm, more than their uncertainty. The values "
+        "are those of the cloud as it is, the intervals reach over both; measure one length by hand.",
+    )
+
+
+def edge_exchange_std(
+    shape: Shape, plane_rms_m: Float[np.ndarray, " planes"]
+) -> Float[np.ndarray, " planes"]:
+    """How far noise along the line of sight may shift a plane through the edges of its face.
+
+    Such noise moves a point across the wall and along it at once. At the edge of a face the points that
+    come in and those that go out are therefore on different sides of the plane, which shifts its mean by
+    sigma^2 sin(a) cos(a) / width per edge, a the angle of incidence: at most half of sigma^2 / width.
+
+    Args:
+        shape: fitted.
+        plane_rms_m: spread of the points about each plane, metres.
+    """
+    std_m = np.zeros(len(shape.planes))
+    for exposure in exposures(shape):
+        columns, rows = np.any(exposure.mask, axis=1), np.any(exposure.mask, axis=0)
+        if not columns.any():
+            continue
+        widths_m = np.array([np.diff(exposure.u_m)[columns].sum(), np.diff(exposure.v_m)[rows].sum()])
+        std_m[exposure.plane] = 0.5 * plane_rms_m[exposure.plane] ** 2 * float(np.sum(1.0 / widths_m))
+    return std_m

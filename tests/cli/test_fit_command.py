@@ -1,0 +1,136 @@
+"""`indoorfit fit` on good input: streams, exit codes, options."""
+
+import json
+from dataclasses import replace
+
+import jsonschema
+import numpy as np
+import pytest
+from synthetic import virtual
+
+from indoorfit import pipeline
+from indoorfit.io import SCHEMA_PATH, write_ply
+from indoorfit.model import Scan
+from indoorfit.pipeline import fit as stage
+
+
+def test_a_fit_writes_its_directory_and_prints_the_table(run_cli, room_ply, tmp_path):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out")
+    assert outcome.code == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    for dimension in document["dimensions"]:
+        # The table shows at least centimetres.
+        assert f"{dimension['value']:.2f}" in outcome.out
+    assert "floor area" in outcome.out
+    assert "thin" in outcome.err, "progress goes to standard error"
+
+
+def test_json_is_the_only_thing_on_standard_output(run_cli, room_ply, tmp_path):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--json")
+    document = json.loads(outcome.out)
+    jsonschema.validate(document, json.loads(SCHEMA_PATH.read_text(encoding="utf-8")))
+    assert document == json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+
+
+def test_quiet_says_nothing_and_verbose_times_every_stage(run_cli, room_ply, tmp_path):
+    assert run_cli("fit", room_ply, "--out", tmp_path / "a", "--quiet").err == ""
+    verbose = run_cli("fit", room_ply, "--out", tmp_path / "b", "--verbose").err
+    for stage in ("thin", "orient", "segment", "discover", "fit", "solid", "intervals"):
+        assert f"{stage} took" in verbose
+
+
+@pytest.mark.parametrize("level", [0.5, 0.9, 0.999])
+def test_level_is_that_of_every_interval(run_cli, room_ply, tmp_path, level):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--level", level, "--json")
+    document = json.loads(outcome.out)
+    assert document["level"] == level
+    assert {d["interval"]["level"] for d in document["dimensions"]} == {level}
+
+
+def test_options_win_over_the_settings_file(run_cli, room_ply, tmp_path):
+    settings = tmp_path / "mine.toml"
+    settings.write_text("level = 0.8\nseed = 7\n[joint]\nmax_rounds = 9\n")
+    outcome = run_cli(
+        "fit", room_ply, "--out", tmp_path / "out", "--config", settings, "--level", "0.9", "--json"
+    )
+    document = json.loads(outcome.out)
+    assert document["level"] == 0.9
+    assert document["provenance"]["seed"] == 7
+    assert document["provenance"]["config"]["joint"]["max_rounds"] == 9
+
+
+def test_overwrite_replaces_an_earlier_result(run_cli, room_ply, tmp_path):
+    assert run_cli("fit", room_ply, "--out", tmp_path / "out", "--level", "0.8").code == 0
+    assert run_cli("fit", room_ply, "--out", tmp_path / "out").code == 1
+    assert run_cli("fit", room_ply, "--out", tmp_path / "out", "--overwrite").code == 0
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    assert document["level"] == 0.95
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_unit_and_up_are_taken_from_the_command_line(run_cli, tmp_path):
+    scan = virtual("box", 2, n_points=20_000).scan
+    path = tmp_path / "mm.ply"
+    write_ply(path, Scan(1000.0 * scan.points_m[:, [1, 2, 0]], scan.colours))
+    outcome = run_cli("fit", path, "--out", tmp_path / "out", "--unit", "mm", "--up", "y", "--json")
+    assert outcome.code == 0
+    values = sorted(d["value"] for d in json.loads(outcome.out)["dimensions"][:3])
+    # 20 000 points of 5 mm on six faces: far below a millimetre.
+    assert values == pytest.approx([2.7, 4.0, 5.0], abs=0.001)
+
+
+def test_a_fit_that_did_not_converge_is_written_and_ends_with_3(run_cli, room_ply, tmp_path):
+    settings = tmp_path / "mine.toml"
+    # The one round goes to the coarse points; none is left to see whether all of them stand still.
+    settings.write_text("[joint]\nmax_rounds = 1\ncoarse_points = 5000\n")
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--config", settings)
+    assert outcome.code == 3
+    assert (tmp_path / "out" / "model.json").is_file()
+    assert "NOT_CONVERGED" in outcome.out + outcome.err
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    assert "NOT_CONVERGED" in [warning["code"] for warning in document["warnings"]]
+
+
+def test_a_room_that_does_not_close_is_written_and_ends_with_3(run_cli, room_ply, tmp_path, monkeypatch):
+    closed = stage.subtract_cubes
+    monkeypatch.setattr(stage, "subtract_cubes", lambda *a: replace(closed(*a), is_closed=False))
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out")
+    assert outcome.code == 3
+    assert "NOT_CLOSED" in outcome.out + outcome.err
+    assert (tmp_path / "out" / "model.json").is_file()
+
+
+def test_greedy_is_a_method(run_cli, room_ply, tmp_path):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--method", "greedy", "--json")
+    assert outcome.code in (0, 3)
+    assert json.loads(outcome.out)["method"] == "greedy"
+
+
+def test_a_program_fault_is_not_dressed_up_as_the_users(run_cli, room_ply, tmp_path, monkeypatch):
+    def broken(*_, **__):
+        raise RuntimeError("ours")
+
+    monkeypatch.setattr(pipeline, "fit_scan", broken)
+    with pytest.raises(RuntimeError, match="ours"):
+        run_cli("fit", room_ply, "--out", tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_with_spaces_and_accents_are_taken(run_cli, tmp_path):
+    path = tmp_path / "Größe 1.ply"
+    write_ply(path, virtual("box", 3, n_points=10_000).scan)
+    outcome = run_cli("fit", path, "--out", tmp_path / "Maße außen")
+    assert outcome.code == 0
+    document = json.loads((tmp_path / "Maße außen" / "model.json").read_text(encoding="utf-8"))
+    assert document["provenance"]["input"]["name"] == "Größe 1.ply"
+
+
+def test_points_that_are_not_finite_are_dropped_and_counted(run_cli, tmp_path):
+    points_m = virtual("box", 4, n_points=20_000).scan.points_m
+    points_m[::100] = np.nan
+    path = tmp_path / "holes.npy"
+    np.save(path, points_m)
+    outcome = run_cli("fit", path, "--out", tmp_path / "out")
+    assert outcome.code == 0
+    assert "Dropped 200 of 20000" in outcome.out + outcome.err

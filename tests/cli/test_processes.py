@@ -1,0 +1,86 @@
+"""The same in real processes: exit codes, streams, and what an interrupt leaves."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from synthetic import virtual
+
+from indoorfit.io import write_ply
+
+
+def process(*arguments, cwd=None, **options) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "indoorfit", *map(str, arguments)]
+    return subprocess.run(
+        command, capture_output=True, text=True, cwd=cwd, timeout=120, check=False, **options
+    )
+
+
+def test_good_input_ends_with_0_and_the_table_on_standard_output(room_ply, tmp_path):
+    done = process("fit", room_ply, "--out", tmp_path / "out", "--quiet")
+    assert done.returncode == 0
+    assert done.stderr == "", "no warning of any library"
+    assert "overall" in done.stdout
+
+
+def test_bad_input_ends_with_1_and_one_line(tmp_path):
+    done = process("fit", "nowhere.ply", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert "nowhere.ply" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_usage_ends_with_2(tmp_path):
+    done = process("fit", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_bad_input_is_refused_before_the_numerics_are_loaded(tmp_path):
+    """An error that needs no fit comes without JAX, in a fraction of the start-up time."""
+    code = (
+        "import sys; sys.argv = ['indoorfit', 'fit', 'nowhere.ply', '--out', 'out']\n"
+        "from indoorfit.cli.main import main\n"
+        "try:\n    main()\nexcept SystemExit as e:\n    print(e.code, 'jax' in sys.modules and 'optimistix' in sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False
+    )
+    assert done.stdout.split() == ["1", "False"]
+
+
+def test_a_pipe_that_is_closed_early_is_no_crash(room_ply, tmp_path):
+    """`indoorfit fit ... | head -1`"""
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-m", "indoorfit", "fit", str(room_ply), "--out", str(tmp_path / "out"), "--json", "--quiet"],
+        stdout=write, stderr=subprocess.PIPE, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    os.close(write)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "model.json").is_file()
+
+
+@pytest.mark.parametrize("delay_s", [0.6, 1.2])
+def test_an_interrupt_leaves_nothing_half_written(tmp_path, delay_s):
+    scans = tmp_path / "scans"
+    scans.mkdir()
+    write_ply(scans / "room.ply", virtual("X", 1, n_points=400_000).scan)
+    out = tmp_path / "out"
+    running = subprocess.Popen(
+        [sys.executable, "-m", "indoorfit", "fit", str(scans / "room.ply"), "--out", str(out)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    time.sleep(delay_s)
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=120)
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == (["out", "scans"] if running.returncode == 0 else ["scans"])
+    assert running.returncode in (0, 130)
+    assert "Traceback" not in err

@@ -1,0 +1,107 @@
+"""The Python API is the command line in a few lines."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from synthetic import virtual
+
+import indoorfit
+from indoorfit.io import write_ply
+
+
+@pytest.fixture(scope="module")
+def virtual_box():
+    return virtual("box", 1, n_points=20_000)
+
+
+def test_read_fit_dimensions_write(virtual_box, tmp_path):
+    write_ply(tmp_path / "room.ply", virtual_box.scan)
+    scan = indoorfit.read(tmp_path / "room.ply")
+    result = indoorfit.fit(scan)
+    values = sorted(d.quantity.value for d in result.dimensions[:3])
+    # 20 000 points of 5 mm on six faces: far below a millimetre.
+    assert values == pytest.approx([2.7, 4.0, 5.0], abs=0.001)
+    result.write(tmp_path / "out")
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    assert [d["value"] for d in document["dimensions"]] == [d.quantity.value for d in result.dimensions]
+    with pytest.raises(indoorfit.OutputError):
+        result.write(tmp_path / "out")
+    result.write(tmp_path / "out", overwrite=True)
+
+
+def test_an_array_is_a_scan(virtual_box):
+    from_array = indoorfit.fit(virtual_box.scan.points_m)
+    from_scan = indoorfit.fit(virtual_box.scan)
+    assert [d.quantity.value for d in from_array.dimensions] == [
+        d.quantity.value for d in from_scan.dimensions
+    ]
+
+
+def test_input_is_not_changed(virtual_box):
+    before = virtual_box.scan.points_m.copy()
+    indoorfit.fit(virtual_box.scan)
+    indoorfit.fit(virtual_box.scan.points_m)
+    np.testing.assert_array_equal(virtual_box.scan.points_m, before)
+
+
+def test_the_model_shows_itself(virtual_box):
+    model = indoorfit.fit(virtual_box.scan)
+    assert "overall" in repr(model)
+    assert "<svg" in model._repr_html_()
+    assert len(model.rooms) == 1
+    assert len(model.faces) == 6
+    assert model.warnings == ()
+
+
+@pytest.mark.parametrize(
+    "points",
+    [np.zeros((3, 3)), np.zeros((100, 2)), np.full((100, 3), np.nan), np.zeros((0, 3))],
+    ids=["three", "flat", "nan", "none"],
+)
+def test_bad_arrays_are_input_errors(points):
+    with pytest.raises(indoorfit.InputError, match="Fix:"):
+        indoorfit.fit(points)
+
+
+def test_settings_are_taken(virtual_box):
+    model = indoorfit.fit(virtual_box.scan, indoorfit.RunConfig(level=0.8))
+    assert {d.quantity.interval.level for d in model.dimensions} == {0.8}
+
+
+def test_all_public_names_exist_and_others_do_not():
+    for name in indoorfit.__all__:
+        assert getattr(indoorfit, name) is not None
+    with pytest.raises(AttributeError, match="no_such_name"):
+        _ = indoorfit.no_such_name
+
+
+def in_fresh_process(code: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_importing_the_package_loads_no_numerics():
+    code = "import sys, indoorfit; print([m for m in ('jax', 'numpy', 'scipy', 'optimistix') if m in sys.modules])"
+    assert in_fresh_process(code).strip() == "[]"
+
+
+def test_the_hosts_jax_settings_are_left_alone():
+    code = (
+        "import numpy as np, jax, indoorfit\n"
+        "from indoorfit.simulate import *\n"
+        "v = sample_surface(room_shape('box'), SamplingSettings(n_points=5000), np.random.default_rng(0))\n"
+        "indoorfit.fit(v.scan)\n"
+        "print(jax.config.jax_enable_x64, jax.numpy.zeros(1).dtype)"
+    )
+    assert in_fresh_process(code).split() == ["False", "float32"]
+
+
+def test_the_name_fit_is_the_function_whatever_was_imported_before():
+    code = "import indoorfit.fit, indoorfit; from indoorfit import fit; print(callable(fit))"
+    assert in_fresh_process(code).strip() == "True"
