@@ -20,7 +20,7 @@ prepare_numerics()
 
 from indoorfit import IndoorfitError, RunConfig  # noqa: E402
 from indoorfit.api import RoomModel, fit, read  # noqa: E402
-from tables import print_machine, print_table  # noqa: E402
+from benchmarks.tables import machine, table
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".asc", ".npy", ".npz")
 
@@ -90,9 +90,9 @@ def main() -> None:
     jobs = [Job(scan, wanted.out, wanted.method, wanted.seed) for scan in scans]
     with multiprocessing.get_context("spawn").Pool(wanted.jobs) as pool:
         outcomes = pool.map(run, jobs, chunksize=1)
-    print_machine()
+    print(machine())
     print()
-    print_table(("scan", "result", "rooms", "faces", "s"), [outcome.row for outcome in outcomes])
+    print(table(("scan", "result", "rooms", "faces", "s"), [outcome.row for outcome in outcomes])
     for outcome in outcomes:
         print()
         for line in outcome.remarks:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from indoorfit.simulate import RoomKind
-from tables import print_machine, print_table
+from benchmarks.tables import machine, table
 
 YARDSTICK = """
 import sys, time
@@ -116,9 +116,9 @@ def main() -> None:
         whole = best_fit(large, folder, wanted.repeat)
         yardstick_s = best_yardstick(large, wanted.repeat)
         start = best_fit(small, folder, wanted.repeat)
-    print_machine()
+    print(machine())
     print(f"{wanted.kind}, {wanted.points} points; best of {wanted.repeat}\n")
-    print_table(
+    print(table(
         ("what", "CPU s", "wall s", "peak MB"),
         [
             ("fit, PLY to all outputs", f"{whole.cpu_s:.2f}", f"{whole.wall_s:.2f}", f"{whole.peak_mb:.0f}"),

@@ -1,30 +1,30 @@
-"""Plain tables on standard output, and what the machine was doing meanwhile."""
+"""Plain tables, and what the machine was doing meanwhile."""
 
 import os
 import platform
 from collections.abc import Sequence
 
 
-def print_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Columns as wide as their longest cell, numbers set to the right."""
-    table = [list(head), *[list(row) for row in rows]]
-    widths = [max(len(row[k]) for row in table) for k in range(len(head))]
-    for number, row in enumerate(table):
+    whole = [list(head), *[list(row) for row in rows]]
+    widths = [max(len(row[k]) for row in whole) for k in range(len(head))]
+    lines = []
+    for number, row in enumerate(whole):
         cells = [
             cell.rjust(width) if _is_number(cell) else cell.ljust(width)
             for cell, width in zip(row, widths, strict=True)
         ]
-        print("  ".join(cells).rstrip())
+        lines.append("  ".join(cells).rstrip())
         if number == 0:
-            print("  ".join("-" * width for width in widths))
+            lines.append("  ".join("-" * width for width in widths))
+    return "\n".join(lines)
 
 
-def print_machine() -> None:
+def machine() -> str:
     """One line: processors, and the load average, without which no time means anything."""
     load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
-    print(
-        f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}"
-    )
+    return f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}"
 
 
 def _is_number(cell: str) -> bool:

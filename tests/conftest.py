@@ -1,4 +1,4 @@
-"""What holds for every test: strict numerics, no network, caches apart from the user's, repeatable examples."""
+"""What holds for every test: strict numerics, no network, a cache of its own, repeatable examples."""
 
 import os
 import shutil

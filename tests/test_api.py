@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from synthetic import virtual
 
 import indoorfit
 from indoorfit.io import write_ply
+from synthetic import virtual
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,8 @@ def in_fresh_process(code: str) -> str:
 
 
 def test_importing_the_package_loads_no_numerics():
-    code = "import sys, indoorfit; print([m for m in ('jax', 'numpy', 'scipy', 'optimistix') if m in sys.modules])"
+    heavy = ("jax", "numpy", "scipy", "optimistix")
+    code = f"import sys, indoorfit; print([m for m in {heavy} if m in sys.modules])"
     assert in_fresh_process(code).strip() == "[]"
 
 

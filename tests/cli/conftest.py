@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from synthetic import virtual
 
 from indoorfit.io import write_ply
+from synthetic import virtual
 
 
 @pytest.fixture(scope="session")

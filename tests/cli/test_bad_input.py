@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from synthetic import virtual
 
 from indoorfit.io import write_ply
 from indoorfit.pipeline import outputs
+from synthetic import virtual
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -66,7 +66,10 @@ def test_empty_file(refused, tmp_path, name):
     refused(path, says=("empty",), names=name)
 
 
-HEADER = b"ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+HEADER = (
+    b"ply\nformat ascii 1.0\nelement vertex %d\n"
+    b"property float x\nproperty float y\nproperty float z\nend_header\n"
+)
 
 
 def test_empty_cloud(refused, tmp_path):
@@ -259,9 +262,9 @@ def test_an_interrupt_leaves_nothing(run_cli, room_ply, tmp_path, monkeypatch):
         ("not toml at all", "TOML"),
     ],
     ids=[
-        "unknown-key", "unknown-nested-key", "text-for-a-number", "fraction-for-a-count", "truth-for-a-number",
-        "text-for-a-level", "percent", "nan", "unknown-method", "negative-seed", "number-for-a-table",
-        "unknown-axis", "not-toml",
+        "unknown-key", "unknown-nested-key", "text-for-a-number", "fraction-for-a-count",
+        "truth-for-a-number", "text-for-a-level", "percent", "nan", "unknown-method",
+        "negative-seed", "number-for-a-table", "unknown-axis", "not-toml",
     ],
 )  # fmt: skip
 def test_bad_settings(refused, room_ply, tmp_path, text, said):

@@ -4,11 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from synthetic import KINDS
 
 from indoorfit import io
 from indoorfit.errors import OutputError
 from indoorfit.io import read_model_json, read_scan
+from synthetic import KINDS
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -7,9 +7,9 @@ import sys
 import time
 
 import pytest
-from synthetic import virtual
 
 from indoorfit.io import write_ply
+from synthetic import virtual
 
 
 def process(*arguments, cwd=None, **options) -> subprocess.CompletedProcess:
@@ -43,11 +43,15 @@ def test_usage_ends_with_2(tmp_path):
 
 def test_bad_input_is_refused_before_the_numerics_are_loaded(tmp_path):
     """An error that needs no fit comes without JAX, in a fraction of the start-up time."""
-    code = (
-        "import sys; sys.argv = ['indoorfit', 'fit', 'nowhere.ply', '--out', 'out']\n"
-        "from indoorfit.cli.main import main\n"
-        "try:\n    main()\nexcept SystemExit as e:\n    print(e.code, 'jax' in sys.modules and 'optimistix' in sys.modules)\n"
-    )
+    code = """
+import sys
+sys.argv = ["indoorfit", "fit", "nowhere.ply", "--out", "out"]
+from indoorfit.cli.main import main
+try:
+    main()
+except SystemExit as end:
+    print(end.code, "optimistix" in sys.modules)
+"""
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, timeout=60, check=False
     )
@@ -56,15 +60,16 @@ def test_bad_input_is_refused_before_the_numerics_are_loaded(tmp_path):
 
 def test_a_pipe_that_is_closed_early_is_no_crash(room_ply, tmp_path):
     """`indoorfit fit ... | head -1`"""
+    out = tmp_path / "out"
     read, write = os.pipe()
     os.close(read)
     done = subprocess.run(
-        [sys.executable, "-m", "indoorfit", "fit", str(room_ply), "--out", str(tmp_path / "out"), "--json", "--quiet"],
+        [sys.executable, "-m", "indoorfit", "fit", str(room_ply), "--out", str(out), "--json", "--quiet"],
         stdout=write, stderr=subprocess.PIPE, text=True, timeout=120, check=False,
     )  # fmt: skip
     os.close(write)
     assert "Traceback" not in done.stderr
-    assert (tmp_path / "out" / "model.json").is_file()
+    assert (out / "model.json").is_file()
 
 
 @pytest.mark.parametrize("delay_s", [0.6, 1.2])

@@ -8,7 +8,6 @@ import pytest
 from indoorfit.discover.evidence import Evidence
 from indoorfit.discover.labelling import LabelConfig, label_cells
 
-
 N_SURFELS = 10_000
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from synthetic import KINDS, virtual
 
 from indoorfit.fit import AssociationConfig, associate
-from indoorfit.fit.association import MAD_TO_STD, robust_location
+from indoorfit.fit.patches import MAD_TO_STD, robust_location
 from indoorfit.geometry import exposures
 from indoorfit.simulate import Hole, room_shape
+from synthetic import KINDS, virtual
 
 PIXEL_M = 0.15
 
@@ -37,17 +37,19 @@ def test_planes_claim_nearly_all_their_points_and_no_others(kind):
 @pytest.mark.parametrize("kind", ["box", "U", "stair"])
 def test_patch_locations_scatter_as_their_variances_say(kind):
     scan, _, patches = patches_of(kind, 1, n_points=60_000)
-    axes = np.array([plane.axis for plane in scan.shape.planes])[patches.plane]
-    residuals = patches.means_m[np.arange(len(axes)), axes] - scan.shape.offsets_m[patches.plane]
-    whitened = residuals / np.sqrt(patches.variances_m2)
-    # A hundred patches or more: the mean square is 1 within 4 sqrt(2 / n), and a tenth for few points a patch.
+    axes = np.array([plane.axis for plane in scan.shape.planes])[patches.patches.plane]
+    residuals = (
+        patches.patches.means_m[np.arange(len(axes)), axes] - scan.shape.offsets_m[patches.patches.plane]
+    )
+    whitened = residuals / np.sqrt(patches.patches.variances_m2)
+    # The mean square of n patches is 1 within 4 sqrt(2 / n), and a tenth for patches of few points.
     assert np.mean(whitened**2) == pytest.approx(1.0, abs=4 * np.sqrt(2 / len(whitened)) + 0.1)
 
 
 def test_patches_lie_on_the_visible_part_of_their_plane():
     scan, _, patches = patches_of("X", 2, n_points=40_000)
     for exposure in exposures(scan.shape):
-        means = patches.means_m[patches.plane == exposure.plane]
+        means = patches.patches.means_m[patches.patches.plane == exposure.plane]
         assert len(means) > 0
         assert np.all(np.abs(means[:, exposure.axis] - scan.shape.planes[exposure.plane].offset_m) < 0.01)
         assert np.all(exposure.contains(means))
@@ -73,17 +75,17 @@ def test_inferred_planes_claim_nothing():
     shape = replace(scan.shape, planes=tuple(planes))
     patches = associate(points_m, shape, AssociationConfig(), PIXEL_M)
     assert patches.plane_points[2] == 0
-    assert 2 not in patches.plane
+    assert 2 not in patches.patches.plane
 
 
 def test_order_of_points_does_not_matter():
     scan, points_m, patches = patches_of("L", 5, n_points=20_000)
     order = np.random.default_rng(0).permutation(len(points_m))
     again = associate(points_m[order], scan.shape, AssociationConfig(), PIXEL_M)
-    np.testing.assert_array_equal(again.counts, patches.counts)
+    np.testing.assert_array_equal(again.patches.counts, patches.patches.counts)
     # Rounding: other order of sums.
-    np.testing.assert_allclose(again.means_m, patches.means_m, atol=1e-12)
-    np.testing.assert_allclose(again.variances_m2, patches.variances_m2, rtol=1e-9)
+    np.testing.assert_allclose(again.patches.means_m, patches.patches.means_m, atol=1e-12)
+    np.testing.assert_allclose(again.patches.variances_m2, patches.patches.variances_m2, rtol=1e-9)
 
 
 VALUES = st.lists(st.floats(-0.05, 0.05), min_size=5, max_size=60)
@@ -95,7 +97,7 @@ def test_robust_location_moves_with_the_points_and_mirrors_with_them(values, shi
     location, variance = robust_location(values)
     moved, moved_variance = robust_location(values + shift_m)
     mirrored, _ = robust_location(-values)
-    # Rounding of numbers of order 1, raised by the weights' sensitivity where the spread is the least allowed.
+    # Rounding of numbers of order 1, raised by the weights' slope where the spread is the least allowed.
     assert moved - location == pytest.approx(shift_m, abs=1e-9)
     assert mirrored == pytest.approx(-location, abs=1e-9)
     assert values.min() - 1e-12 <= location <= values.max() + 1e-12
@@ -128,5 +130,5 @@ def test_scale_factor_of_the_median_deviation_is_that_of_a_gaussian():
 def test_planes_far_from_everything_claim_nothing():
     shape = room_shape("box")
     patches = associate(np.full((100, 3), 50.0), shape, AssociationConfig(), PIXEL_M)
-    assert len(patches.plane) == 0
+    assert len(patches.patches.plane) == 0
     np.testing.assert_array_equal(patches.coverage, 0.0)

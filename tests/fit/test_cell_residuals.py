@@ -5,16 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from synthetic import virtual
 
 from indoorfit.fit import AssociationConfig, associate, build_cells
 from indoorfit.fit.residuals import with_inferred
+from synthetic import virtual
 
 
 @pytest.fixture(scope="module")
 def fitted():
     scan = virtual("L", n_points=20_000)
-    patches = associate(scan.frame.to_manhattan(scan.scan.points_m), scan.shape, AssociationConfig(), 0.15)
+    patches = associate(
+        scan.frame.to_manhattan(scan.scan.points_m), scan.shape, AssociationConfig(), 0.15
+    ).patches
     return scan.shape, patches, build_cells(patches, scan.shape)
 
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from synthetic import virtual
 
-from indoorfit.fit import IntervalConfig, JointConfig, fit_joint, intervals
+from indoorfit.fit import BeliefConfig, JointConfig, believe, fit_joint, intervals
+from synthetic import virtual
 
 PIXEL_M = 0.15
 
@@ -19,7 +19,12 @@ def spread_of(fit, gradients, level=0.95, seed=0, values=None):
     gradients = np.asarray(gradients, float)
     values = gradients @ fit.shape.offsets_m if values is None else values
     rng = np.random.default_rng(seed)
-    return intervals(fit.cells, fit.shape, values, gradients, PIXEL_M, level, IntervalConfig(), rng)
+    return intervals(belief_of(fit, rng), values, gradients, level)
+
+
+def belief_of(fit, rng):
+    rms_m = fit.data.plane_rms_m
+    return believe(fit.cells, None, fit.shape, fit.frame, rms_m, PIXEL_M, BeliefConfig(), rng)
 
 
 def rows(fit, *pairs):
@@ -67,7 +72,7 @@ def test_same_seed_same_numbers(fitted):
 
 
 def test_noise_model_is_explained_in_words(fitted):
-    noise = spread_of(fitted, rows(fitted, (2, 3))).noise
+    noise = belief_of(fitted, np.random.default_rng(0)).noise
     assert "scale" in noise["explanation"]
     assert all(isinstance(name, str) for name in noise)
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from synthetic import KINDS, expected_limit_m, is_rotation, virtual
 
 from indoorfit.errors import InputError
 from indoorfit.fit import AssociationConfig, JointConfig, fit_joint
 from indoorfit.model import Frame, Scan
+from synthetic import KINDS, expected_limit_m, is_rotation, virtual
 
 PIXEL_M = 0.15
 
@@ -82,9 +82,7 @@ def test_coarse_rounds_do_not_change_the_end():
     scan = virtual("U", 6, n_points=60_000)
     all_points = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
     thinned = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(coarse_points=10_000), PIXEL_M)
-    assert thinned.patches.plane_points.sum() == pytest.approx(
-        all_points.patches.plane_points.sum(), rel=1e-3
-    )
+    assert thinned.data.plane_points.sum() == pytest.approx(all_points.data.plane_points.sum(), rel=1e-3)
     np.testing.assert_allclose(thinned.shape.offsets_m, all_points.shape.offsets_m, atol=2e-5)
 
 
@@ -125,4 +123,4 @@ def test_reach_follows_the_noise():
     wide = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
     cut = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(association=narrow), PIXEL_M)
     # At 4 cm noise 1.2 % of a Gaussian lies beyond 10 cm.
-    assert wide.patches.plane_points.sum() > 1.005 * cut.patches.plane_points.sum()
+    assert wide.data.plane_points.sum() > 1.005 * cut.data.plane_points.sum()

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from hypothesis import assume, given
-from synthetic import KINDS, plans, touches_by_corner
 
 from indoorfit.geometry import exposures, room_of_planes, shape_from_plan
 from indoorfit.simulate import room_shape
 from indoorfit.solid import face_polygons, subtract_cubes
+from synthetic import KINDS, plans, touches_by_corner
 
 
 def polygon_areas(shape) -> np.ndarray:
@@ -87,3 +87,13 @@ def test_planes_know_their_room():
     rooms = room_of_planes(shape)
     assert set(rooms) == set(range(12))
     assert sorted(rooms.values()) == ["cube-0"] * 6 + ["cube-1"] * 6
+
+
+def test_a_nested_part_does_not_claim_its_neighbours_wall():
+    """Its open sides reach a metre beyond its notch, over the wall of another notch in the same plane."""
+    mask = np.array([[0, 0, 1], [0, 1, 1], [1, 1, 1], [0, 1, 1]], bool)
+    x, y = [0.0, 1.0, 2.0, 2.5, 3.5], [0.0, 1.0, 2.0, 3.0]
+    shape = shape_from_plan(x, y, [mask], [(0.0, 2.0)])
+    areas = [exposure.area_m2 for exposure in exposures(shape)]
+    # As above.
+    np.testing.assert_allclose(polygon_areas(shape), areas, atol=2e-5)

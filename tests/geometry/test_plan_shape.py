@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from hypothesis import given
-from synthetic import KINDS, plans
 
 from indoorfit.geometry import exposures, shape_from_plan
 from indoorfit.model import SIDES, Shape, side_sign
 from indoorfit.simulate import room_shape
+from synthetic import KINDS, plans
 
 
 def inside(shape: Shape, points_m: np.ndarray, cube_id: str) -> np.ndarray:

@@ -4,10 +4,10 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from synthetic import KINDS, is_rotation, virtual
 
 from indoorfit.model import FitResult
 from indoorfit.pipeline import truth_result
+from synthetic import KINDS, is_rotation, virtual
 
 
 @pytest.fixture(scope="module", params=KINDS)

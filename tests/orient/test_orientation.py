@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from synthetic import is_rotation, moved, oriented, virtual
 
 from indoorfit.config import RunConfig
 from indoorfit.errors import InputError
 from indoorfit.model import Scan
 from indoorfit.orient import OrientConfig
+from synthetic import is_rotation, moved, oriented, virtual
 
 
 def axis_error_deg(frame, truth) -> tuple[float, float]:

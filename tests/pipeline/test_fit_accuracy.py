@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from synthetic import KINDS, expected_limit_m, largest_error_m, truth_of, virtual
 
 from indoorfit.config import RunConfig
 from indoorfit.pipeline import fit_scan
+from synthetic import KINDS, expected_limit_m, largest_error_m, truth_of, virtual
 
 
 def assert_sound(result) -> None:

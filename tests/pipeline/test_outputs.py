@@ -8,11 +8,11 @@ import jsonschema
 import numpy as np
 import pytest
 import trimesh
-from synthetic import virtual
 
 from indoorfit.errors import OutputError
 from indoorfit.io import SCHEMA_PATH, read_model_json
 from indoorfit.pipeline import fit_scan, outputs, write_outputs
+from synthetic import virtual
 
 FILES = {
     "model.json", "model.glb", "model.wrl", "model.obj", "model.mtl", "dimensions.csv",

@@ -1,4 +1,4 @@
-"""Real scans, where they are at hand: the figures are robust fits to the full clouds, not tape measurements."""
+"""Real scans, where they are at hand; the figures are robust fits to the full clouds, not tape measures."""
 
 import json
 import os

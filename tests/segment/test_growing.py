@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from synthetic import oriented, virtual
 
 from indoorfit.segment import SegmentConfig, grow_surfaces
 from indoorfit.segment.growing import fit_plane
+from synthetic import oriented, virtual
 
 
 @pytest.fixture(scope="module")
@@ -77,4 +77,5 @@ def test_plane_of_points_is_exact_and_turns_with_them():
     normal, centre = fit_plane(flat @ turn.T + (1.0, 2.0, 3.0))
     # Rounding; the eigenvector of a zero eigenvalue is good to the square root of nothing here.
     np.testing.assert_allclose(np.abs(normal @ turn[:, 2]), 1.0, atol=1e-12)
-    np.testing.assert_allclose(centre, (flat @ turn.T).mean(axis=0) + (1.0, 2.0, 3.0), atol=1e-12)
+    shift = np.array([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(centre, (flat @ turn.T).mean(axis=0) + shift, atol=1e-12)

@@ -1,16 +1,17 @@
 """The boolean solid: closed, of the right volume, its faces proper polygons."""
 
 from collections import Counter
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
-from synthetic import KINDS, plans, touches_by_corner
 
 from indoorfit.geometry import exposures, shape_from_plan
 from indoorfit.model import RoomSolid, Shape
 from indoorfit.simulate import room_shape
 from indoorfit.solid import face_polygons, subtract_cubes
+from synthetic import KINDS, plans, touches_by_corner
 
 
 def shape_of(plan) -> Shape:
@@ -83,7 +84,7 @@ def test_polygons_cover_the_surface_once(plan):
 
 @given(plan=plans())
 def test_rings_run_counter_clockwise_outside_and_clockwise_around_holes(plan):
-    x, y, mask, z = plan
+    _, _, mask, _ = plan
     assume(not touches_by_corner(mask))
     shape = shape_of(plan)
     for polygon in face_polygons(solid_of(shape)):
@@ -119,7 +120,7 @@ def test_polygons_close_edge_to_edge(plan):
                     p[axis] for p in corners if low <= p[axis] <= high and all(p[a] == start[a] for a in rest)
                 )
                 on = list(dict.fromkeys(on))
-                for a, b in zip(on[:-1], on[1:], strict=True):
+                for a, b in pairwise(on):
                     counts[(axis, *(float(start[r]) for r in rest), a, b)] += 1
     assert set(counts.values()) == {2}
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from synthetic import virtual
 
 from indoorfit.errors import InputError
 from indoorfit.model import Scan
 from indoorfit.thin import SurfelConfig, ThinConfig, surfels, thin
+from synthetic import virtual
 
 
 def local_planes(points_m: np.ndarray, voxel_m: float | None = None):

@@ -1,46 +1,33 @@
 """``indoorfit simulate``: a room whose truth is known, as a scan."""
 
-import dataclasses
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
+from indoorfit.errors import ConfigError, OutputError
+
 from .runtime import set_up_logging
+from .simulate_options import Contents, Plan, Sampling, Scanning, Way, refuse_unused
+from .staging import staged
+
+_RGBD_MARKS = ("intrinsics.txt", "groundtruth.txt")
 
 
 @dataclass(frozen=True)
 class SimulateCommand:
-    """Write a simulated scan (PLY) of a room and its exact model beside it (SCAN.truth.json)."""
+    """Write a simulated scan (PLY) of a room and its exact model beside it (SCAN.truth.json).
 
-    kind: tyro.conf.Positional[Literal["box", "L", "U", "X", "T", "Z", "stair"]]
-    """Plan of the room."""
+    A plan (box to stair) gets points drawn evenly from all surfaces, or with --sensor is scanned as a real
+    room is: from a path or from stations, with what stands in the way, noise and drift. `random` makes up a
+    furnished room or several; `scene` scans one from a file.
+    """
+
+    kind: tyro.conf.Positional[Literal["box", "L", "U", "X", "T", "Z", "stair", "random", "scene"]]
+    """Plan of the room, or `random`, or `scene` (with --scene FILE)."""
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"])]
     """The PLY file to write."""
-    length: float | None = None
-    """Extent along x, metres; default: the kind's own."""
-    width: float | None = None
-    """Extent along y, metres."""
-    height: float = 2.70
-    """Floor to ceiling, metres."""
-    notch_length: float | None = None
-    """Extent of the (largest) notch along x, metres."""
-    notch_width: float | None = None
-    """Extent of the (largest) notch along y, metres."""
-    points: int = 150_000
-    """Number of points."""
-    noise: float = 0.005
-    """Standard deviation of the noise, metres; 0.5 cm as in the thesis (5.1.1)."""
-    noise_model: Literal["normal", "isotropic", "kinect"] = "normal"
-    """normal: along the surface normal; isotropic; kinect: line of sight, 4 cm at 5 m, growing with d²."""
-    outliers: float = 0.0
-    """Share of points spread over the bounding box, 0 to 1."""
-    furniture: int = 0
-    """Number of furniture boxes."""
-    windows: int = 0
-    """Number of window holes."""
     tilt: float = 0.0
     """Tilt of the room's vertical, degrees."""
     yaw: float = 0.0
@@ -49,50 +36,78 @@ class SimulateCommand:
     """Same seed, same bytes."""
     overwrite: bool = False
     """Replace existing files."""
+    plan: tyro.conf.OmitArgPrefixes[Plan] = field(default_factory=Plan)
+    sampling: tyro.conf.OmitArgPrefixes[Sampling] = field(default_factory=Sampling)
+    contents: tyro.conf.OmitArgPrefixes[Contents] = field(default_factory=Contents)
+    scanning: tyro.conf.OmitArgPrefixes[Scanning] = field(default_factory=Scanning)
 
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
         set_up_logging(quiet=False, verbose=False)
-        import numpy as np
-
-        from indoorfit.io import write_model_json, write_ply
-        from indoorfit.pipeline import truth_result
-        from indoorfit.simulate import SamplingSettings, room_shape, sample_surface
-
-        truth_path = self.output.with_suffix(".truth.json")
-        _refuse_existing(self.output, truth_path, self.overwrite)
-        shape = room_shape(
-            self.kind,
-            length_m=self.length,
-            width_m=self.width,
-            height_m=self.height,
-            notch_length_m=self.notch_length,
-            notch_width_m=self.notch_width,
-        )
-        settings = SamplingSettings(
-            n_points=self.points,
-            sigma_m=self.noise,
-            noise=self.noise_model,
-            outlier_share=self.outliers,
-            n_furniture=self.furniture,
-            n_windows=self.windows,
-            tilt_rad=math.radians(self.tilt),
-            yaw_rad=math.radians(self.yaw),
-        )
-        virtual = sample_surface(shape, settings, np.random.default_rng(self.seed), name=self.output.name)
-        recorded = {"kind": self.kind, **dataclasses.asdict(settings)}
-        write_model_json(truth_path, truth_result(virtual.shape, virtual.frame, recorded, self.seed))
-        write_ply(self.output, virtual.scan)
+        way = self._way()
+        refuse_unused(way, self.kind, (self.plan, self.sampling, self.contents, self.scanning))
+        if self.seed < 0:
+            raise ConfigError(f"simulate: seed {self.seed}. Fix: choose 0 or more.")
+        targets, stale = self._targets()
+        with staged(
+            list(targets.values()), overwrite=self.overwrite, marks=_RGBD_MARKS, stale=stale
+        ) as places:
+            self._write(way, dict(zip(targets, places, strict=True)))
         return 0
 
+    def _way(self) -> Way:
+        if self.kind == "random" or self.kind == "scene":
+            return self.kind
+        return "sampled" if self.scanning.sensor is None else "scanned"
 
-def _refuse_existing(output: Path, truth: Path, overwrite: bool) -> None:
-    from indoorfit.errors import OutputError
+    def _targets(self) -> tuple[dict[str, Path], list[Path]]:
+        """What is written where, and what must not stay beside it."""
+        if self.output.suffix.lower() != ".ply":
+            raise OutputError(
+                f"{self.output}: the suffix is {self.output.suffix!r}; scans are written as PLY. "
+                "Fix: name it .ply."
+            )
+        scanning = self.scanning
+        targets = {"scan": self.output, "truth": self.output.with_suffix(".truth.json")}
+        # Poses of an earlier scan would be read as those of the new one.
+        poses = self.output.with_suffix(".frames.json")
+        if scanning.sensor_poses:
+            targets["poses"] = poses
+        if scanning.write_scene is not None:
+            if scanning.write_scene.suffix not in (".toml", ".json"):
+                raise OutputError(f"{scanning.write_scene}: need .toml or .json. Fix: rename it.")
+            targets["scene"] = scanning.write_scene
+        if scanning.rgbd is not None:
+            targets["rgbd"] = scanning.rgbd
+        return targets, [] if scanning.sensor_poses else [poses]
 
-    if output.suffix.lower() != ".ply":
-        raise OutputError(
-            f"{output}: the suffix is {output.suffix!r}; scans are written as PLY. Fix: name it .ply."
-        )
-    for path in (output, truth):
-        if path.exists() and not overwrite:
-            raise OutputError(f"{path}: exists already. Fix: choose another name, or give --overwrite.")
+    def _write(self, way: Way, places: dict[str, Path]) -> None:
+        import numpy as np
+
+        from indoorfit.io import write_frames_json, write_model_json, write_ply
+        from indoorfit.pipeline import truth_result
+        from indoorfit.simulate import write_scene
+
+        from .simulate_room import sample_room
+        from .simulate_scan import make_scene, scan_scene
+
+        angles_deg = (self.tilt, self.yaw)
+        if way == "sampled":
+            rng = np.random.default_rng(self.seed)
+            virtual, record = sample_room(
+                self.kind, self.plan, self.sampling, self.contents, angles_deg, rng, self.output.name
+            )
+        else:
+            # Apart from each other, so that a scene from a file is scanned as the random one was.
+            scene_rng, scan_rng = (
+                np.random.default_rng(seed) for seed in np.random.SeedSequence(self.seed).spawn(2)
+            )
+            scene = make_scene(way, self.kind, self.plan, self.contents, scene_rng)
+            virtual, record = scan_scene(scene, self.scanning, angles_deg, scan_rng, places.get("rgbd"))
+            if "scene" in places:
+                write_scene(scene, places["scene"])
+        truth = truth_result(virtual.shape, virtual.frame, record, self.seed, virtual)
+        write_model_json(places["truth"], truth)
+        if "poses" in places:
+            write_frames_json(places["poses"], virtual.scan.frames)
+        write_ply(places["scan"], virtual.scan)

@@ -117,7 +117,7 @@ def _fit(
         shape, frame, data = joint.shape, joint.frame, joint.data
         cells, converged = joint.cells, joint.converged
     frame_cells = None
-    if scan.frame_ids is not None and config.method == "joint":
+    if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
             frame_cells = cells_by_frame(scan, frame, shape, config.joint.association, pixel_m)
     return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)

@@ -18,11 +18,13 @@ from .random_scene import random_scene as random_scene
 from .registration import Registration as Registration
 from .registration import pose_errors as pose_errors
 from .registration import regime as regime
+from .rgbd import recorded_rgbd as recorded_rgbd
 from .rgbd import write_rgbd as write_rgbd
 from .sampling import SamplingSettings as SamplingSettings
 from .sampling import sample_surface as sample_surface
 from .scanner import DepthFrame as DepthFrame
 from .scanner import ScanSettings as ScanSettings
+from .scanner import assemble_scan as assemble_scan
 from .scanner import scan_frames as scan_frames
 from .scanner import virtual_scan as virtual_scan
 from .scene import Finish as Finish
@@ -38,6 +40,8 @@ from .scene import write_scene as write_scene
 from .scene_build import BuiltScene as BuiltScene
 from .scene_build import build_scene as build_scene
 from .scene_shape import scene_shape as scene_shape
+from .seen import cut_planes as cut_planes
+from .seen import seen_of_planes as seen_of_planes
 from .sensors import SENSOR_PRESETS as SENSOR_PRESETS
 from .sensors import Sensor as Sensor
 from .sensors import load_sensor as load_sensor

@@ -53,8 +53,9 @@ def handheld_path(
         n_stops: places visited; None for one per 6 m² of free floor, 2 to 12.
 
     Raises:
-        ConfigError: no free floor is left.
+        ConfigError: no free floor is left, or not one pose was asked for.
     """
+    _check_count("frame", n_frames)
     grid = _free_grid(scene)
     n_stops = _default_stops(grid) if n_stops is None else n_stops
     stops = _far_apart(grid.cells, n_stops, rng)
@@ -81,8 +82,9 @@ def stations(scene: Scene, n_stations: int, rng: np.random.Generator) -> tuple[P
     """Upright poses of a scanner on a tripod, 1.6 m high, far apart from each other.
 
     Raises:
-        ConfigError: no free floor is left.
+        ConfigError: no free floor is left, or not one pose was asked for.
     """
+    _check_count("station", n_stations)
     grid = _free_grid(scene)
     poses = []
     for place_m in grid.centres_m(_far_apart(grid.cells, n_stations, rng)):
@@ -90,6 +92,11 @@ def stations(scene: Scene, n_stations: int, rng: np.random.Generator) -> tuple[P
         z = scene.rooms[0].floor_m + 1.6
         poses.append(Pose(np.array([*place_m, z]), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])))
     return tuple(poses)
+
+
+def _check_count(name: str, n: int) -> None:
+    if n < 1:
+        raise ConfigError(f"simulate: {n} {name}s; at least one is needed. Fix: ask for one or more.")
 
 
 @dataclass(frozen=True)

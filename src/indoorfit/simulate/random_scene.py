@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from indoorfit.errors import ConfigError
 from indoorfit.geometry import exposures
 from indoorfit.model import Shape
 
@@ -46,17 +47,30 @@ DEFAULT_RANDOM_SCENE = RandomSceneSettings()
 
 
 def random_scene(
-    rng: np.random.Generator, settings: RandomSceneSettings = DEFAULT_RANDOM_SCENE, name: str = "random"
+    rng: np.random.Generator,
+    settings: RandomSceneSettings = DEFAULT_RANDOM_SCENE,
+    name: str = "random",
+    rooms: tuple[RoomPlan, ...] | None = None,
 ) -> Scene:
     """A random scene; the same state of `rng` gives the same scene.
 
+    Args:
+        rng: decides everything.
+        settings: what to build.
+        name: of the scene.
+        rooms: plans to furnish, such as a preset's; None draws them as the settings say.
+
     Raises:
-        ConfigError: the room asked for does not exist (see `random_room`).
+        ConfigError: a number is out of range, or the room asked for does not exist (see `random_room`).
     """
-    if settings.n_rooms > 1:
+    _check(settings)
+    openings: list[Opening] = []
+    if rooms is not None:
+        pass
+    elif settings.n_rooms > 1:
         rooms, openings = _row_of_rooms(rng, settings)
     else:
-        rooms, openings = room_plans(random_room(rng, settings.n_walls, settings.room)), []
+        rooms = room_plans(random_room(rng, settings.n_walls, settings.room))
     bare = Scene(rooms)
     shape = scene_shape(bare)
     patches = shape_patches(shape)
@@ -74,6 +88,17 @@ def random_scene(
     kept_free = [_before_door(opening) for opening in openings if opening.kind == "door"]
     furniture = _furniture(rng, patches, walls[0], oblique, kept_free, settings)
     return Scene(rooms, name, steps, tuple(openings), oblique, furniture, _finishes(rng, shape, settings))
+
+
+def _check(settings: RandomSceneSettings) -> None:
+    counts = (settings.n_furniture, settings.n_windows, settings.n_doors)
+    low_m, high_m = settings.room.height_m
+    if settings.n_rooms < 1 or min(counts) < 0 or settings.uneven_m < 0.0 or not 1.9 <= low_m <= high_m:
+        raise ConfigError(
+            f"simulate: {settings.n_rooms} rooms of height {low_m:g} to {high_m:g} m, {counts[0]} things, "
+            f"{counts[1]} windows, {counts[2]} doors, unevenness {settings.uneven_m:g} m. Fix: at least one "
+            "room, at least 1.9 m high (furniture and doors need that), nothing negative."
+        )
 
 
 @dataclass(frozen=True)

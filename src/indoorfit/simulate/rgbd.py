@@ -1,7 +1,7 @@
 """RGB-D frames on disk, in the layout of the TUM RGB-D benchmark."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,17 @@ _FRAME_RATE_HZ = 30.0
 
 
 def write_rgbd(folder: str | os.PathLike[str], frames: Iterable[DepthFrame], sensor: Sensor) -> int:
-    """Write colour and depth images, poses and intrinsics.
+    """Write colour and depth images, poses and intrinsics; returns the number of frames.
+
+    As `recorded_rgbd`, for frames that are not needed afterwards.
+    """
+    return sum(1 for _ in recorded_rgbd(folder, frames, sensor))
+
+
+def recorded_rgbd(
+    folder: str | os.PathLike[str], frames: Iterable[DepthFrame], sensor: Sensor
+) -> Iterator[DepthFrame]:
+    """Write frames to disk while they pass by, so that one scan becomes images and a cloud.
 
     The folder gets `rgb/` and `depth/` with one PNG per time stamp, `rgb.txt`, `depth.txt` and
     `associations.txt` (time and file), `groundtruth.txt` (true poses) and `estimated.txt` (poses with
@@ -32,8 +42,8 @@ def write_rgbd(folder: str | os.PathLike[str], frames: Iterable[DepthFrame], sen
         frames: from `scan_frames`, with the same sensor.
         sensor: a camera.
 
-    Returns:
-        the number of frames written.
+    Yields:
+        the same frames. The lists, poses and intrinsics are written after the last one.
 
     Raises:
         ConfigError: the sensor is no camera.
@@ -60,6 +70,7 @@ def write_rgbd(folder: str | os.PathLike[str], frames: Iterable[DepthFrame], sen
             lists["groundtruth"].append(f"{stamp} {_pose_text(frame.true)}")
             lists["estimated"].append(f"{stamp} {_pose_text(frame.estimated)}")
             n += 1
+            yield frame
         fx, fy = sensor.focal_pixels
         centre = f"{0.5 * sensor.columns - 0.5!r} {0.5 * sensor.rows - 0.5!r}"
         lists["intrinsics"] = [
@@ -72,7 +83,6 @@ def write_rgbd(folder: str | os.PathLike[str], frames: Iterable[DepthFrame], sen
             os.replace(temporary, folder / f"{name}.txt")
     except OSError as e:
         raise OutputError(f"{folder.name}: cannot be written ({e.strerror}). Fix: check the folder.") from e
-    return n
 
 
 def _depth_image(frame: DepthFrame) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The virtual scanner: frames of a scene as a sensor sees them and a registration places them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -81,10 +81,34 @@ def virtual_scan(
     """
     built = build_scene(scene)
     used = sensor.thinned(settings.pixel_step)
-    rays = directions(used, pixel_grid(used))
+    frames = scan_frames(built, used, path, registration, rng, settings)
+    return assemble_scan(built, used, frames, registration, settings)
+
+
+def assemble_scan(
+    built: BuiltScene,
+    sensor: Sensor,
+    frames: Iterable[DepthFrame],
+    registration: Registration,
+    settings: ScanSettings = DEFAULT_SCAN,
+) -> VirtualScan:
+    """Put frames together as one scan.
+
+    Args:
+        built: the scene that was scanned.
+        sensor: as given to `scan_frames`, that is, thinned.
+        frames: from `scan_frames`.
+        registration: as given to `scan_frames`; only its scale error is recorded.
+        settings: the same.
+
+    Raises:
+        ConfigError: no ray returned anything.
+    """
+    scene = built.scene
+    rays = directions(sensor, pixel_grid(sensor))
     points_m, colours, planes, ids = [], [], [], []
     estimated, true = [], []
-    for frame in scan_frames(built, used, path, registration, rng, settings):
+    for frame in frames:
         keep = np.isfinite(frame.distance_m)
         in_sensor_m = rays[keep] * frame.distance_m[keep][:, None]
         R_scan_sensor = frame.estimated.rotation
@@ -109,7 +133,7 @@ def virtual_scan(
     )
     point_plane = np.concatenate(planes)
     frame = _frame(settings)
-    return VirtualScan(scan, built.shape, frame, point_plane, not scene.oblique_walls, tuple(true))
+    return VirtualScan(scan, built.shape, frame, point_plane, tuple(true), scene, registration.scale_error)
 
 
 def scan_frames(

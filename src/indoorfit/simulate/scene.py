@@ -187,6 +187,7 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
         temporary.write_text(text, encoding="utf-8")
         os.replace(temporary, path)
     except OSError as e:
+        temporary.unlink(missing_ok=True)
         raise OutputError(f"{path.name}: cannot be written ({e.strerror}). Fix: check the folder.") from e
 
 

@@ -123,9 +123,25 @@ def load_sensor(name: str | os.PathLike[str]) -> Sensor:
                 "file. Fix: choose a preset or check the path."
             ) from e
     try:
-        return cattrs.Converter(forbid_extra_keys=True).structure(tomllib.loads(text), Sensor)
+        sensor = cattrs.Converter(forbid_extra_keys=True).structure(tomllib.loads(text), Sensor)
     except Exception as e:
         problems = (
             "; ".join(cattrs.transform_error(e)) if not isinstance(e, tomllib.TOMLDecodeError) else str(e)
         )
         raise ConfigError(f"{Path(name).name}: not a sensor: {problems}. Fix: compare with a preset.") from e
+    _check(sensor, Path(name).name)
+    return sensor
+
+
+def _check(sensor: Sensor, where: str) -> None:
+    widest_rad = (np.pi, np.pi) if sensor.kind == "camera" else (2.0 * np.pi + 1e-9, np.pi + 1e-9)
+    in_view = 0.0 < sensor.width_rad < widest_rad[0] and 0.0 < sensor.height_rad < widest_rad[1]
+    if not in_view or min(sensor.columns, sensor.rows) < 2 or not 0.0 < sensor.min_m < sensor.max_m:
+        raise ConfigError(
+            f"{where}: {sensor.columns} x {sensor.rows} pixels over {sensor.width_rad:g} x "
+            f"{sensor.height_rad:g} rad, {sensor.min_m:g} to {sensor.max_m:g} m: no such sensor. Fix: at "
+            "least 2 x 2 pixels, angles in radians below half a turn (a scanner's width: a turn), and "
+            "0 < min_m < max_m."
+        )
+    if min(sensor.law_m(np.array([sensor.min_m, sensor.max_m]))) < 0.0:
+        raise ConfigError(f"{where}: sigma_m gives a negative noise. Fix: correct its three numbers.")

@@ -7,6 +7,8 @@ from jaxtyping import Int
 
 from indoorfit.model import Frame, Scan, SensorFrame, Shape
 
+from .scene import Scene
+
 
 @dataclass(frozen=True)
 class VirtualScan:
@@ -21,7 +23,14 @@ class VirtualScan:
     point_plane: Int[np.ndarray, " points"]
     """Index in `shape.planes` of the plane that each point was taken on; -1 for furniture, outliers,
     jambs of doors and everything outside."""
-    manhattan: bool = True
-    """False where the room has surfaces that `shape` cannot hold (oblique walls)."""
     true_frames: tuple[SensorFrame, ...] = ()
     """Where the sensor really was; `scan.frames` holds what the registration believed."""
+    scene: Scene | None = None
+    """What was scanned; None where points were only drawn from `shape`."""
+    scale_error: float = 0.0
+    """The scan is larger than `shape` by this share."""
+
+    @property
+    def manhattan(self) -> bool:
+        """False where the room has surfaces that `shape` cannot hold (oblique walls)."""
+        return self.scene is None or not self.scene.oblique_walls

@@ -1,0 +1,1 @@
+"""What the program reaches on simulated rooms, and whether a change makes it worse: ``python -m benchmarks``."""

@@ -1,0 +1,111 @@
+"""What a virtual scan shows of the true planes, and what of them is not there at all."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from indoorfit.geometry import Exposure, exposures
+from indoorfit.model import Shape
+
+from .scene import ObliqueWall, Scene
+from .virtual import VirtualScan
+
+_MIN_REACH_M = 0.05
+"""A point speaks for at least this much around it; smaller gaps are not worth telling."""
+_SIGMAS = 5.0
+"""Points further off are no longer of the plane but mixed pixels that end between two surfaces."""
+
+
+def seen_of_planes(
+    virtual: VirtualScan,
+) -> tuple[Int[np.ndarray, " planes"], Float[np.ndarray, " planes"], Float[np.ndarray, " planes"]]:
+    """What the points say of each plane of the shape.
+
+    Returns:
+        number of points; share of the plane's visible area that lies within two point spacings (of the
+        whole scan) of one, 0 to 1; root mean square distance of the points from the plane in metres, drift
+        and scale included, 0 without points.
+    """
+    found = exposures(virtual.shape)
+    n_points, coverage, rms_m = np.zeros(len(found), int), np.zeros(len(found)), np.zeros(len(found))
+    points_m = virtual.frame.to_manhattan(virtual.scan.points_m)
+    area_m2 = sum(exposure.area_m2 for exposure in found)
+    # Two spacings: at an even density one place in 300 000 has no point that near.
+    spacing_m = np.sqrt(area_m2 / max(int((virtual.point_plane >= 0).sum()), 1))
+    reach_m = max(_MIN_REACH_M, 2.0 * float(spacing_m))
+    for exposure in found:
+        k, axis = exposure.plane, exposure.axis
+        here_m = points_m[virtual.point_plane == k]
+        off_m = here_m[:, axis] - virtual.shape.planes[k].offset_m
+        near = _inliers(off_m)
+        n_points[k] = int(near.sum())
+        if n_points[k]:
+            rms_m[k] = float(np.sqrt(np.mean(off_m[near] ** 2)))
+            coverage[k] = _coverage(exposure, here_m[near], reach_m)
+    return n_points, coverage, rms_m
+
+
+def _inliers(off_m: Float[np.ndarray, " points"]) -> Bool[np.ndarray, " points"]:
+    if not len(off_m):
+        return np.zeros(0, bool)
+    from_middle_m = np.abs(off_m - np.median(off_m))
+    # 1.4826 times the median distance is the standard deviation of a Gaussian; 1 um keeps exact points.
+    return from_middle_m <= _SIGMAS * 1.4826 * np.median(from_middle_m) + 1e-6
+
+
+def _coverage(exposure: Exposure, points_m: Float[np.ndarray, "points 3"], reach_m: float) -> float:
+    i, j = np.nonzero(exposure.mask)
+    if not len(i):
+        return 0.0
+    axes = [axis for axis in range(3) if axis != exposure.axis]
+    low_m = np.array([exposure.u_m[i.min()], exposure.v_m[j.min()]])
+    high_m = np.array([exposure.u_m[i.max() + 1], exposure.v_m[j.max() + 1]])
+    cells = np.maximum(np.ceil((high_m - low_m) / (0.5 * reach_m)).astype(int), 1)
+    size_m = (high_m - low_m) / cells
+    seen = np.zeros(cells, bool)
+    index = np.floor((points_m[:, axes] - low_m) / size_m).astype(int)
+    # Drift carries points a little over the edge; they still speak for it.
+    seen[tuple(np.clip(index, 0, cells - 1).T)] = True
+    distance_m = ndimage.distance_transform_edt(~seen, sampling=size_m)
+    centres_m = np.zeros((cells.prod(), 3))
+    centres_m[:, axes] = low_m + (np.argwhere(np.ones(cells, bool)) + 0.5) * size_m
+    inside = exposure.contains(centres_m).reshape(cells)
+    return float((distance_m <= reach_m)[inside].mean()) if inside.any() else 0.0  # type: ignore[operator]
+
+
+def cut_planes(scene: Scene, shape: Shape) -> set[int]:
+    """Planes of the shape of which oblique walls cut a part off.
+
+    Args:
+        scene: holds the oblique walls.
+        shape: its shape, which knows nothing of them.
+    """
+    found = exposures(shape)
+    return {
+        exposure.plane
+        for wall in scene.oblique_walls
+        for exposure in found
+        if _is_cut(scene, shape, exposure, wall)
+    }
+
+
+def _is_cut(scene: Scene, shape: Shape, exposure: Exposure, wall: ObliqueWall) -> bool:
+    """Whether part of a plane lies in the triangle between an oblique wall and the corner behind it."""
+    plane = shape.planes[exposure.plane]
+    start, end = np.array(wall.start_m), np.array(wall.end_m)
+    corners = np.array([[start[0], end[1]], [end[0], start[1]]])
+    along = end - start
+    right = along[0] * (corners[:, 1] - start[1]) - along[1] * (corners[:, 0] - start[0]) < 0.0
+    corner = corners[right][0]
+    room = scene.rooms[wall.room]
+    if plane.axis == 2:
+        places = [(start + end + corner) / 3.0]
+        heights_m = [plane.offset_m]
+        if not room.floor_m - 1e-9 <= plane.offset_m <= room.ceiling_m + 1e-9:
+            return False
+    else:
+        places = [0.5 * (start + corner), 0.5 * (end + corner)]
+        places = [place for place in places if abs(place[plane.axis] - plane.offset_m) < 1e-6]
+        heights_m = [room.floor_m + share * (room.ceiling_m - room.floor_m) for share in (0.01, 0.5, 0.99)]
+    points_m = np.array([[*place, z] for place in places for z in heights_m])
+    return bool(len(points_m)) and bool(exposure.contains(points_m).any())
