@@ -1,1 +1,1 @@
-"""What the program reaches on simulated rooms, and whether a change makes it worse: ``python -m benchmarks``."""
+"""What the program reaches on simulated rooms: ``python -m benchmarks``."""

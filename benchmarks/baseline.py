@@ -53,7 +53,9 @@ def worse(path: Path, rows: Rows, settings: Mapping[str, Any], level: float) -> 
             for name, figure in document["figures"].items():
                 before, now = accepted["figures"].get(name), row.get(name)
                 if before is not None and _is_worse(figure, before, now, level):
-                    said.append(f"{suite}, {run}: {name} {_text(now)} instead of {before:.4g} {figure['unit']}")
+                    said.append(
+                        f"{suite}, {run}: {name} {_text(now)} instead of {before:.4g} {figure['unit']}"
+                    )
     return said
 
 

@@ -29,14 +29,18 @@ class Figure:
 
 FIGURES: dict[str, Figure] = {
     "right": Figure("rooms whose structure is right", "share", "higher", 0.045, 0.0, "one room of 24"),
-    "footprint_iou": Figure("mean, 0 without a model", "share", "higher", 0.005, 0.0, "one notch in 24 rooms"),
+    "footprint_iou": Figure(
+        "mean, 0 without a model", "share", "higher", 0.005, 0.0, "one notch in 24 rooms"
+    ),
     "solid_iou": Figure("mean, 0 without a model", "share", "higher", 0.005, 0.0, "one notch in 24 rooms"),
     "completeness": Figure("ISPRS at 10 cm, mean", "share", "higher", 0.01, 0.0, "one wall in four rooms"),
     "correctness": Figure("ISPRS at 10 cm, mean", "share", "higher", 0.01, 0.0, "one wall in four rooms"),
     "lost": Figure("true lengths without a number", "share", "lower", 0.02, 0.0, "one wrong room of 24"),
     "rmse_mm": Figure("lengths", "mm", "lower", 0.1, 0.15, "one gross error decides it"),
     "mad_mm": Figure("lengths, median absolute deviation", "mm", "lower", 0.05, 0.10, "150 lengths: 10 %"),
-    "coverage": Figure("intervals that hold the truth", "share", "level", 0.04, 0.0, "2 sigma at 150 lengths"),
+    "coverage": Figure(
+        "intervals that hold the truth", "share", "level", 0.04, 0.0, "2 sigma at 150 lengths"
+    ),
     "score_mm": Figure("mean interval score", "mm", "lower", 0.2, 0.20, "one missed length decides it"),
     "width_mm": Figure("median width of the intervals", "mm", "lower", 0.1, 0.15, "as mad_mm, with a margin"),
     "status": Figure("faces with the right status", "share", "higher", 0.02, 0.0, "four faces of 200"),
@@ -123,7 +127,12 @@ def room_record(outcome: Outcome) -> dict[str, Any]:
 
 
 def _length_record(length: LengthCheck) -> dict[str, Any]:
-    derived = {"error_m": length.error_m, "hit": length.hit, "width_m": length.width_m, "score_m": length.score_m}
+    derived = {
+        "error_m": length.error_m,
+        "hit": length.hit,
+        "width_m": length.width_m,
+        "score_m": length.score_m,
+    }
     return vars(length) | derived
 
 

@@ -25,6 +25,9 @@ _UNSEEN_SHARE = 0.02
 between is not judged: nobody can say whether a wall of which a corner shows is measured or inferred."""
 
 
+_NOTHING = (float("nan"), float("nan"), float("nan"))
+
+
 @dataclass(frozen=True)
 class _Run:
     """One call of the program and its cost."""
@@ -41,9 +44,14 @@ def judge(job: Job) -> Outcome:
     """Everything about one room."""
     virtual = SUITES[job.suite].make(job.seed)
     scan = virtual.scan if job.frame_ids else replace(virtual.scan, frame_ids=None, frames=())
-    truth = truth_result(virtual.shape, virtual.frame, {}, job.seed)
+    try:
+        truth = truth_result(virtual.shape, virtual.frame, {}, job.seed)
+    except AssertionError:
+        # Rooms that the survey cannot name the faces of: nobody can be right about them.
+        return _without_truth(job)
     run = _fit(scan, job, job.levels[0])
-    comparison, isprs, others = None, (float("nan"),) * 3, {}
+    comparison, isprs = None, _NOTHING
+    others: dict[float, tuple[LengthCheck, ...]] = {}
     notes: tuple[str, ...] = ()
     faults = (run.fault,) if run.fault else ()
     if run.result is not None:
@@ -67,6 +75,12 @@ def judge(job: Job) -> Outcome:
         peak_mb=run.peak_mb,
         picture=_picture(scan, truth, run.result, comparison, job.seed),
     )
+
+
+def _without_truth(job: Job) -> Outcome:
+    fault = "crashed: the true model cannot be written down\n" + traceback.format_exc(limit=-1)
+    nan = float("nan")
+    return Outcome(job, False, (fault,), None, _NOTHING, {}, (), True, nan, nan, nan)
 
 
 def _fit(scan: Scan, job: Job, level: float) -> _Run:
@@ -148,7 +162,9 @@ def _picture(
     some = np.random.default_rng(seed).permutation(len(middle))[:_N_DOTS]
     found = set() if comparison is None else set(comparison.pairs)
     sound = set() if comparison is None else set(comparison.pairs.values())
-    true_lines = [(*_line(face, truth.frame), face.id in found) for face in truth.faces if face.kind == "wall"]
+    true_lines = [
+        (*_line(face, truth.frame), face.id in found) for face in truth.faces if face.kind == "wall"
+    ]
     lines = []
     for face in () if result is None else result.faces:
         if face.kind == "wall":

@@ -1,6 +1,6 @@
 """Every real scan of a folder through the whole pipeline: what came out, or why not.
 
-    INDOORFIT_REAL_SCANS=~/scans python benchmarks/real.py --out plans --jobs 2
+    INDOORFIT_REAL_SCANS=~/scans python -m benchmarks.real --out plans --jobs 2
 
 Real scans have no truth here, so nothing is judged: the table shows rooms, extents with their intervals,
 warnings and time, and the folder of outputs holds a plan per scan to look at.
@@ -18,9 +18,9 @@ from indoorfit.cli.runtime import prepare_numerics
 # Before NumPy: this module is imported again in every worker.
 prepare_numerics()
 
+from benchmarks.tables import machine, table  # noqa: E402
 from indoorfit import IndoorfitError, RunConfig  # noqa: E402
 from indoorfit.api import RoomModel, fit, read  # noqa: E402
-from benchmarks.tables import machine, table
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".asc", ".npy", ".npz")
 
@@ -92,7 +92,7 @@ def main() -> None:
         outcomes = pool.map(run, jobs, chunksize=1)
     print(machine())
     print()
-    print(table(("scan", "result", "rooms", "faces", "s"), [outcome.row for outcome in outcomes])
+    print(table(("scan", "result", "rooms", "faces", "s"), [outcome.row for outcome in outcomes]))
     for outcome in outcomes:
         print()
         for line in outcome.remarks:

@@ -1,6 +1,6 @@
 """CPU time and memory of a whole run against a yardstick that every machine can repeat.
 
-    python benchmarks/speed.py --points 1400000 --repeat 3
+    python -m benchmarks.speed --points 1400000 --repeat 3
 
 - `fit`: `indoorfit fit SCAN.ply --out DIR` in a process of its own, from the file to all outputs.
 - `neighbours`: scipy's cKDTree built over the same points and asked for the 8 neighbours of each, one thread.
@@ -19,8 +19,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from indoorfit.simulate import RoomKind
 from benchmarks.tables import machine, table
+from indoorfit.simulate import RoomKind
 
 YARDSTICK = """
 import sys, time
@@ -118,13 +118,20 @@ def main() -> None:
         start = best_fit(small, folder, wanted.repeat)
     print(machine())
     print(f"{wanted.kind}, {wanted.points} points; best of {wanted.repeat}\n")
-    print(table(
-        ("what", "CPU s", "wall s", "peak MB"),
-        [
-            ("fit, PLY to all outputs", f"{whole.cpu_s:.2f}", f"{whole.wall_s:.2f}", f"{whole.peak_mb:.0f}"),
-            ("cKDTree and 8 neighbours", f"{yardstick_s:.2f}", "", ""),
-            ("fit of 5000 points", f"{start.cpu_s:.2f}", f"{start.wall_s:.2f}", f"{start.peak_mb:.0f}"),
-        ],
+    print(
+        table(
+            ("what", "CPU s", "wall s", "peak MB"),
+            [
+                (
+                    "fit, PLY to all outputs",
+                    f"{whole.cpu_s:.2f}",
+                    f"{whole.wall_s:.2f}",
+                    f"{whole.peak_mb:.0f}",
+                ),
+                ("cKDTree and 8 neighbours", f"{yardstick_s:.2f}", "", ""),
+                ("fit of 5000 points", f"{start.cpu_s:.2f}", f"{start.wall_s:.2f}", f"{start.peak_mb:.0f}"),
+            ],
+        )
     )
     print(f"\nfit / yardstick: {whole.cpu_s / yardstick_s:.2f}")
 

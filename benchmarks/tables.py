@@ -24,7 +24,9 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def machine() -> str:
     """One line: processors, and the load average, without which no time means anything."""
     load = ", ".join(f"{value:.1f}" for value in os.getloadavg())
-    return f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}"
+    return (
+        f"{platform.machine()}, {os.cpu_count()} processors, Python {platform.python_version()}, load {load}"
+    )
 
 
 def _is_number(cell: str) -> bool:

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "fit" / "
 import numpy as np
 from cell_rooms import REGIMES, CellRoom, simulate_cell_room
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     FusionConfig,
     PoseFieldConfig,
     WallFieldConfig,

@@ -104,5 +104,5 @@ def test_the_hosts_jax_settings_are_left_alone():
 
 
 def test_the_name_fit_is_the_function_whatever_was_imported_before():
-    code = "import indoorfit.fit, indoorfit; from indoorfit import fit; print(callable(fit))"
+    code = "import indoorfit.fitting, indoorfit; from indoorfit import fit; print(callable(fit))"
     assert in_fresh_process(code).strip() == "True"

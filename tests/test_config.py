@@ -50,17 +50,19 @@ def test_an_empty_file_means_the_defaults(tmp_path):
 
 
 @pytest.mark.parametrize("path", LEAVES, ids=".".join)
-def test_every_number_can_be_set_and_refuses_text(path):
-    value = LEAVES[path]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        value = 0.5 if value is None else value
-    if isinstance(value, int | float) and path not in (("level",), ("seed",)):
-        changed = value * 2
-        recorded = dict(leaves(config_to_dict(config_from_dict(nested(path, changed)))))
-        assert recorded == LEAVES | {path: changed}
-    if LEAVES[path] is not None:
+def test_every_setting_can_be_changed_and_refuses_the_wrong_type(path):
+    default = LEAVES[path]
+    if isinstance(default, bool):
+        changed = not default
+    elif isinstance(default, int | float) and path not in (("level",), ("seed",)):
+        changed = default * 2
+    else:
+        changed = 0.5 if default is None else default
+    recorded = dict(leaves(config_to_dict(config_from_dict(nested(path, changed)))))
+    assert recorded == LEAVES | {path: changed}
+    if default is not None:
         with pytest.raises(ConfigError, match=path[-1]):
-            config_from_dict(nested(path, "text" if not isinstance(value, str) else 5))
+            config_from_dict(nested(path, 5 if isinstance(default, str) else "text"))
 
 
 @pytest.mark.parametrize(

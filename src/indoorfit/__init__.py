@@ -50,7 +50,4 @@ def __getattr__(name: str) -> Any:
 
     if name not in _LAZY:
         raise AttributeError(f"module 'indoorfit' has no attribute {name!r}")
-    # Bound for good: the subpackage `fit` would otherwise shadow the function of that name.
-    value = getattr(import_module(f".{_LAZY[name]}", __name__), name)
-    globals()[name] = value
-    return value
+    return getattr(import_module(f".{_LAZY[name]}", __name__), name)

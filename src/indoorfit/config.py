@@ -12,7 +12,7 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fit import BeliefConfig, GreedyConfig, JointConfig
+from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -87,6 +87,7 @@ def _converter() -> cattrs.Converter:
     # Numbers must be numbers: the default would turn "5" and true into floats without a word.
     converter.register_structure_hook(float, _number)
     converter.register_structure_hook(int, _whole)
+    converter.register_structure_hook(bool, _flag)
     converter.register_structure_hook_factory(
         dataclasses.is_dataclass,
         lambda kind: make_dict_structure_fn(kind, converter, _cattrs_forbid_extra_keys=True),
@@ -98,6 +99,12 @@ def _number(value: Any, _: type) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"got {value!r}, needed a number")
     return float(value)
+
+
+def _flag(value: Any, _: type) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"got {value!r}, needed true or false")
+    return value
 
 
 def _whole(value: Any, _: type) -> int:

@@ -78,6 +78,18 @@ def test_a_wall_in_the_wrong_place_is_named_with_its_distance():
     assert not comparison.extra
     assert not comparison.right
     assert "+0.50 m" in comparison.faults[0]
+    # Somebody will read the wrong length, so it counts.
+    assert min(length.error_m for length in comparison.lengths) == pytest.approx(-0.5, abs=ROUNDING_M)
+
+
+@pytest.mark.parametrize(("std_m", "right"), [(0.1, False), (0.2, True)])
+def test_an_inferred_wall_may_be_off_by_what_it_claims(std_m, right):
+    truth, model = exact(box(5.0, 4.0)), exact(moved(box(5.0, 4.0), "right", -0.3))
+    faces = tuple(
+        replace(face, status="inferred", offset_std_m=std_m) if face.face_class == "right" else face
+        for face in model.faces
+    )
+    assert compare(replace(model, faces=faces), truth).right == right
 
 
 def test_a_notch_that_was_not_found_is_missing_and_one_that_was_invented_is_extra():

@@ -13,8 +13,8 @@ from indoorfit.simulate import scan_frame
 LENGTH_M, WIDTH_M, HEIGHT_M = 5.0, 4.0, 2.5
 
 
-def box(x_m: tuple[float, float] = (0.0, LENGTH_M)) -> FitResult:
-    shape = shape_from_plan(list(x_m), [0.0, WIDTH_M], [np.ones((1, 1), bool)], [(0.0, HEIGHT_M)])
+def box(x_m: tuple[float, float] = (0.0, LENGTH_M), floor_m: float = 0.0) -> FitResult:
+    shape = shape_from_plan(list(x_m), [0.0, WIDTH_M], [np.ones((1, 1), bool)], [(floor_m, HEIGHT_M)])
     return truth_result(shape, scan_frame(0.3, 0.02, 0.5, (2.0, 1.0, 0.0)), {}, 0)
 
 
@@ -66,21 +66,12 @@ def test_a_room_half_as_long_has_its_completeness_and_is_correct():
 
 
 def test_accuracy_is_the_median_of_what_the_cut_off_leaves():
-    reference, source = box(), box((0.04, LENGTH_M + 0.04))
-    # The ends alone: both are 4 cm away but for the strips beside the corners; with floor, ceiling and
-    # sides more than half of the area is not away at all.
-    assert accuracy_m(source, reference, 0.10) == pytest.approx(0.0, abs=1e-12)
-    shifted = box((0.04, LENGTH_M - 0.04))
-    walls = isprs_curves(shifted, reference, (0.02, 0.10), ("wall",))
-    assert walls.accuracy_m[0] == pytest.approx(0.0, abs=1e-12)
-    raised = truth_result(
-        shape_from_plan([0.0, LENGTH_M], [0.0, WIDTH_M], [np.ones((1, 1), bool)], [(0.03, HEIGHT_M + 0.03)]),
-        reference.frame, {}, 0,
-    )  # fmt: skip
-    # Every cell of the floor is 3 cm from the raised one but those of the rim, which touch a wall... of
-    # another kind, which does not count here.
+    reference, raised = box(), box(floor_m=0.03)
+    # The raised floor alone is 3 cm from every sample on the reference's floor.
     assert accuracy_m(raised, reference, 0.10, ("floor",)) == pytest.approx(0.03, abs=1e-12)
     assert np.isnan(accuracy_m(raised, reference, 0.02, ("floor",)))
+    # With all faces most of the area is not away at all: floor 20 of 85 m2.
+    assert accuracy_m(raised, reference, 0.10) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_measures_grow_with_the_buffer():

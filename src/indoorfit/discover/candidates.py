@@ -28,8 +28,8 @@ class Lines:
     offsets_m: Float[np.ndarray, " lines"]
     seen: np.ndarray
     """(lines,) bool: whether wall was seen there, or only the end of floor or ceiling."""
-    segment_line: dict[int, int]
-    """The line of every wall segment that lies on one."""
+    surfel_line: Int[np.ndarray, " n"]
+    """The line of every wall surfel of this axis, -1 for none."""
 
 
 def candidate_lines(surfaces: Surfaces, axis: int, config: CandidateConfig) -> Lines:
@@ -43,38 +43,73 @@ def candidate_lines(surfaces: Surfaces, axis: int, config: CandidateConfig) -> L
     labels = surfaces.wall_segments[axis]
     across_m = surfaces.walls_m[axis][:, axis]
     area_m2 = (surfaces.pixel_m / 2.0) ** 2
-    offsets_m, members = _cluster(labels, across_m, area_m2, config)
+    offsets_m, surfel_line = _cluster(labels, across_m, area_m2, config)
     ends_m = _coverage_ends(surfaces, axis, config)
     fresh_m = [end for end in ends_m if all(abs(end - offset) > _end_reach(surfaces) for offset in offsets_m)]
     everything = np.concatenate([offsets_m, fresh_m])
     order = np.argsort(everything, kind="stable")
-    rank = np.argsort(order, kind="stable")
-    segment_line = {segment: int(rank[k]) for k, group in enumerate(members) for segment in group}
-    return Lines(everything[order], (np.arange(len(everything)) < len(offsets_m))[order], segment_line)
+    # The last rank serves surfels without a line.
+    rank = np.append(np.argsort(order, kind="stable"), -1)
+    seen = (np.arange(len(everything)) < len(offsets_m))[order]
+    return Lines(everything[order], seen, rank[surfel_line])
 
 
 def _cluster(
     labels: Int[np.ndarray, " n"], across_m: Float[np.ndarray, " n"], area_m2: float, config: CandidateConfig
-) -> tuple[Float[np.ndarray, " lines"], list[list[int]]]:
-    """Join wall segments of nearly the same position, largest first, so that slivers never bridge walls."""
-    segments, counts = np.unique(labels, return_counts=True)
-    position_m = {int(s): float(np.median(across_m[labels == s])) for s in segments}
-    groups: list[list[int]] = []
+) -> tuple[Float[np.ndarray, " lines"], Int[np.ndarray, " n"]]:
+    """Join wall pieces of nearly the same position, largest first, so that slivers never bridge walls."""
+    pieces = _pieces(labels, across_m, config.merge_m)
+    pieces.sort(key=lambda members: -len(members))
+    groups: list[list[Int[np.ndarray, " _"]]] = []
     centres: list[float] = []
-    sizes: list[int] = []
+    for members in pieces:
+        position_m = float(np.median(across_m[members]))
+        near = [g for g, c in enumerate(centres) if abs(c - position_m) < config.merge_m]
+        if near:
+            groups[min(near, key=lambda g: abs(centres[g] - position_m))].append(members)
+        else:
+            groups.append([members])
+            centres.append(position_m)
+    surfel_line = np.full(len(labels), -1)
+    offsets_m: list[float] = []
+    for group, centre in zip(groups, centres, strict=True):
+        if sum(len(members) for members in group) * area_m2 >= config.min_area_m2:
+            surfel_line[np.concatenate(group)] = len(offsets_m)
+            offsets_m.append(centre)
+    return np.array(offsets_m), surfel_line
+
+
+def _pieces(
+    labels: Int[np.ndarray, " n"], across_m: Float[np.ndarray, " n"], merge_m: float
+) -> list[Int[np.ndarray, " _"]]:
+    """The members of each segment; the two sides of a thin wall, grown together, as two pieces."""
+    pieces: list[Int[np.ndarray, " _"]] = []
+    for segment in np.unique(labels):
+        members = np.flatnonzero(labels == segment)
+        modes_m = _modes(across_m[members], merge_m)
+        nearest = np.argmin(np.abs(across_m[members][:, None] - modes_m), axis=1)
+        pieces += [members[nearest == k] for k in range(len(modes_m))]
+    return pieces
+
+
+def _modes(across_m: Float[np.ndarray, " n"], merge_m: float) -> Float[np.ndarray, " modes"]:
+    """Positions where the surfels crowd: one, unless a deep valley parts two crowds.
+
+    A second mode needs a fifth of the first's height and a valley of less than half its own height; the
+    flank of a noisy wall has neither.
+    """
+    bin_m = merge_m / 3.0
+    edges = np.arange(across_m.min() - 1.5 * bin_m, across_m.max() + 2.5 * bin_m, bin_m)
+    counts = np.convolve(np.histogram(across_m, edges)[0], [0.25, 0.5, 0.25], mode="same")
+    found = [int(np.argmax(counts))]
     for k in np.argsort(-counts, kind="stable"):
-        segment = int(segments[k])
-        near = [g for g, c in enumerate(centres) if abs(c - position_m[segment]) < config.merge_m]
-        if not near:
-            groups.append([segment])
-            centres.append(position_m[segment])
-            sizes.append(int(counts[k]))
-            continue
-        g = min(near, key=lambda g: abs(centres[g] - position_m[segment]))
-        groups[g].append(segment)
-        sizes[g] += int(counts[k])
-    large = [g for g, size in enumerate(sizes) if size * area_m2 >= config.min_area_m2]
-    return np.array([centres[g] for g in large]), [groups[g] for g in large]
+        if counts[k] < 0.2 * counts[found[0]]:
+            break
+        valleys = [counts[min(k, f) : max(k, f) + 1].min() for f in found]
+        far = all(abs(k - f) * bin_m >= merge_m for f in found)
+        if far and max(valleys) < 0.5 * counts[k]:
+            found.append(int(k))
+    return edges[found] + 0.5 * bin_m
 
 
 def _end_reach(surfaces: Surfaces) -> float:

@@ -100,9 +100,7 @@ def _border_coverage(
     """Share of each border that shows wall up to the local ceiling; borders of constant `axis`."""
     across, along = lines[axis], lines[1 - axis]
     wall_m = surfaces.walls_m[axis]
-    segment_line = np.full(int(surfaces.wall_segments[axis].max(initial=-1)) + 1, -1)
-    segment_line[list(across.segment_line)] = list(across.segment_line.values())
-    on_line = segment_line[surfaces.wall_segments[axis]]
+    on_line = across.surfel_line
     stray_m, stray_line = _near_lines(surfaces, across, axis)
     wall_m, on_line = np.concatenate([wall_m, stray_m]), np.concatenate([on_line, stray_line])
     cell = np.searchsorted(along.offsets_m, wall_m[:, 1 - axis]) - 1

@@ -31,13 +31,13 @@ class LabelConfig:
     """Chance of wall up to the ceiling where the room does not end: partitions, wardrobes."""
     wall_price: float | None = None
     """Cost of every wall of the outline, for the position that it adds: by default half the logarithm of
-    the number of surfels, 4 to 5 (Schwarz 1978)."""
+    the number of patches of surface that were seen, about 3.5 (Schwarz 1978)."""
 
 
 def label_cells(
     evidence: Evidence,
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    n_surfels: int,
+    seen_m2: float,
     config: LabelConfig,
 ) -> Bool[np.ndarray, "nx ny"]:
     """Minimise the negative log posterior of inside/outside labels over the plan's cells.
@@ -50,7 +50,7 @@ def label_cells(
     Args:
         evidence: shares seen, see `Evidence`.
         grid: candidate lines, Manhattan frame, metres.
-        n_surfels: number of observations, for the price of a wall.
+        seen_m2: area of all surfaces that were seen, for the price of a wall.
         config: see `LabelConfig`.
     """
     widths = [np.diff(line) for line in grid]
@@ -66,7 +66,10 @@ def label_cells(
         costs.append((cost * along / config.patch_m).ravel())
     blocks = [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]]
     around = np.stack([block.ravel() for block in blocks], axis=1)
-    price = 0.5 * np.log(n_surfels) if config.wall_price is None else config.wall_price
+    price = config.wall_price
+    if price is None:
+        # As many observations as the evidence is counted in.
+        price = 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
     chosen = _solve(cells.ravel(), np.concatenate(pairs), np.concatenate(costs), around, price)
     return chosen.reshape(cells.shape)
 
@@ -134,7 +137,7 @@ class _Rows:
         self.upper: list[np.ndarray] = []
         self.n_rows = 0
 
-    def add(self, terms: list[tuple[np.ndarray, int]], upper: float) -> None:
+    def add(self, terms: list[tuple[np.ndarray, int]], upper: int) -> None:
         """Append one block of rows: the sum of columns times factors is at most `upper`."""
         n = len(terms[0][0])
         for columns, factor in terms:

@@ -88,7 +88,9 @@ def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None 
     """
     alignment = align(model, truth)
     matched = match_faces(flat_faces(model, alignment), flat_faces(truth))
-    lengths, lost = check_lengths(model, truth, matched.pairs)
+    # A wall in the wrong place has lengths that somebody will read, so they count as they are.
+    off = {item.truth: item.model for item in matched.misplaced}
+    lengths, lost = check_lengths(model, truth, {**off, **matched.pairs})
     boxes, true_boxes = boxes_of(model.shape, alignment), boxes_of(truth.shape)
     lines_m = common_grid(boxes, true_boxes)
     cells = {

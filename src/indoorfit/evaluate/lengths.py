@@ -55,7 +55,7 @@ def check_lengths(
     Args:
         model: what was found.
         truth: exact.
-        pairs: the model's face for each true face that was found.
+        pairs: the model's face for each true face that was found, in its place or not.
 
     Returns:
         the lengths that the model has a number for, and the ids of those that it has not.

@@ -12,7 +12,8 @@ from .volumes import solid_iou
 
 REACH_M = 0.15
 """A face is found when its plane is this near the true one: far more than any error of a fit of a sound
-scan, and the smallest distance of parallel walls in the simulator's random rooms."""
+scan, and the smallest distance of parallel walls in the simulator's random rooms. An inferred face claims no
+such accuracy: it may be off by two of its own standard uncertainties."""
 MISPLACED_M = 1.0
 """A face that is further off than `REACH_M` but within this is the right wall in the wrong place."""
 MIN_OVERLAP = 0.3
@@ -53,7 +54,7 @@ def match_faces(model: Sequence[FlatFace], truth: Sequence[FlatFace]) -> FaceMat
         truth: likewise.
     """
     overlap, distance_m = _relations(model, truth)
-    near = _assign(np.where(np.abs(distance_m) <= REACH_M, overlap, 0.0))
+    near = _assign(np.where(np.abs(distance_m) <= _reaches_m(model), overlap, 0.0))
     rows = [i for i in range(len(truth)) if i not in {i for i, _ in near}]
     columns = [j for j in range(len(model)) if j not in {j for _, j in near}]
     rest = np.where(np.abs(distance_m) <= MISPLACED_M, overlap, 0.0)[np.ix_(rows, columns)]
@@ -66,6 +67,11 @@ def match_faces(model: Sequence[FlatFace], truth: Sequence[FlatFace]) -> FaceMat
         tuple(truth[i].face.id for i in sorted(lost)),
         tuple(model[j].face.id for j in sorted(invented)),
     )
+
+
+def _reaches_m(model: Sequence[FlatFace]) -> Float[np.ndarray, " model"]:
+    claimed_m = [2.0 * f.face.offset_std_m if f.face.status == "inferred" else 0.0 for f in model]
+    return np.clip(np.array(claimed_m), REACH_M, MISPLACED_M)
 
 
 def _relations(

@@ -119,18 +119,28 @@ def _cube_exposures(
     inside: Bool[np.ndarray, "nx ny nz"],
 ) -> dict[int, Exposure]:
     found: dict[int, Exposure] = {}
+    parent = next((other for other in shape.cubes if other.id == cube.parent), None)
+    around = np.ones_like(inside) if parent is None else _solid(shape, parent, bounds_m, lines_m)
+    # Beyond the grid there is neither room nor cube, and everything that a room is taken from.
+    own = np.pad(_solid(shape, cube, bounds_m, lines_m), 1)
+    around = np.pad(around, 1, constant_values=parent is None)
+    inside = np.pad(inside, 1)
     for side, index in cube.sides.items():
         if index is None:
             continue
         axis = side_axis(side)
         k = int(np.searchsorted(lines_m[axis], bounds_m[cube.id][int(side_sign(side) > 0), axis]))
-        padded = np.moveaxis(np.pad(inside, 1), axis, 0)
-        below, above = padded[k, 1:-1, 1:-1], padded[k + 1, 1:-1, 1:-1]
-        outward = shape.planes[index].outward
-        surface = (below & ~above) if outward > 0 else (above & ~below)
-        window = np.zeros_like(inside)
-        window[_cells(bounds_m[cube.id], lines_m)] = True
-        surface = surface & np.moveaxis(window, axis, 0).any(axis=0)
+        # The surface is where the cube's own solid ends and what it was taken from begins; another cube
+        # may have a side at the same place, which must not be claimed.
+        inner, outer = (k, k + 1) if side_sign(side) > 0 else (k + 1, k)
+        surface = _layer(own, axis, inner) & _layer(around, axis, outer)
+        is_room = _layer(inside, axis, inner) != _layer(inside, axis, outer)
+        surface = surface & is_room
         u_m, v_m = (lines_m[a] for a in range(3) if a != axis)
         found[index] = Exposure(index, axis, u_m, v_m, surface)
     return found
+
+
+def _layer(mask: Bool[np.ndarray, "nx ny nz"], axis: int, k: int) -> Bool[np.ndarray, "nu nv"]:
+    """The k-th layer of a padded grid along an axis, without the padding of the other two."""
+    return np.moveaxis(mask, axis, 0)[k, 1:-1, 1:-1]

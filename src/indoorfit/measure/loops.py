@@ -6,7 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.errors import InputError
 from indoorfit.model import Polygon, Shape
+
+NOT_ENCLOSED = (
+    "measure: the walls that were fitted do not enclose a room: two of them have passed each other, as "
+    "happens where a step is narrower than the scan is good. Fix: scan that step more closely, or raise "
+    "discover.candidates.min_area_m2 so that it is left out."
+)
 
 
 @dataclass(frozen=True)
@@ -32,6 +39,9 @@ def floor_loops(shape: Shape, pieces: Sequence[Polygon]) -> tuple[FloorLoop, ...
     Args:
         shape: the grammar.
         pieces: the polygons of one room.
+
+    Raises:
+        InputError: an edge of the floor has no wall.
     """
     walls = [piece for piece in pieces if shape.planes[piece.plane].axis < 2]
     floors = [piece for piece in pieces if shape.planes[piece.plane].face_class == "floor"]
@@ -60,4 +70,4 @@ def _wall_at(
             # Corners are bitwise shared: polygons come from one mesh.
             if ring[:, along].min() <= low and ring[:, along].max() >= high:
                 return wall
-    raise AssertionError("every edge of a closed room's floor carries a wall")
+    raise InputError(NOT_ENCLOSED)

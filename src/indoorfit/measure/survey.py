@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.errors import InputError
 from indoorfit.model import (
     SIDES,
     Cube,
@@ -23,7 +24,7 @@ from indoorfit.model import (
     Side,
 )
 
-from .loops import FloorLoop, floor_loops
+from .loops import NOT_ENCLOSED, FloorLoop, floor_loops
 
 
 @dataclass(frozen=True)
@@ -148,7 +149,7 @@ def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) ->
         low, high = cube.sides[SIDES[2 * axis]], cube.sides[SIDES[2 * axis + 1]]
         assert low is not None, "a room has no open side"
         assert high is not None, "a room has no open side"
-        ends = [next(face for face in faces if face.polygon.plane == plane) for plane in (low, high)]
+        ends = [_first_face(faces, plane) for plane in (low, high)]
         # Measured from the middle of the face at the lower end.
         from_m = ends[0].polygon.rings_m[0].mean(axis=0) if axis < 2 else _inner_point(ends[0].polygon)
         to_m = from_m.copy()
@@ -166,6 +167,13 @@ def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) ->
             )
         )
     return found
+
+
+def _first_face(faces: Sequence[NamedFace], plane: int) -> NamedFace:
+    for face in faces:
+        if face.polygon.plane == plane:
+            return face
+    raise InputError(NOT_ENCLOSED)
 
 
 def _inner_point(polygon: Polygon) -> Float[np.ndarray, " 3"]:

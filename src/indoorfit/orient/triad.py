@@ -1,7 +1,7 @@
 """The three perpendicular directions that most surfaces of a Manhattan world follow."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 _COARSE_RAD = np.deg2rad(8.0)
 """First catchment of a direction: twice the spread of normals on the noisiest sensor that we model."""
@@ -47,7 +47,7 @@ def dominant_triad(
 
 
 def _distinct(
-    seeds: Float[np.ndarray, "seeds 3"], score: Float[np.ndarray, " seeds"], count: int
+    seeds: Float[np.ndarray, "seeds 3"], score: Int[np.ndarray, " seeds"], count: int
 ) -> list[Float[np.ndarray, " 3"]]:
     """The best-supported seeds that are not neighbours of a better one."""
     chosen: list[Float[np.ndarray, " 3"]] = []

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
-from indoorfit.fit import (
+from indoorfit.fitting import (
     Cells,
     PatchData,
     associate,

@@ -7,7 +7,7 @@ from scipy import ndimage
 from .sensors import Sensor
 
 _EDGE_SHARE = 0.03
-"""Neighbours whose distances differ by more than this share look across an edge."""
+"""Neighbours look across an edge if their distances differ by this share more than one surface explains."""
 
 
 def measured(
@@ -16,7 +16,17 @@ def measured(
     incidence_rad: Float[np.ndarray, "rows columns"],
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "rows columns"]:
-    """Depths (or ranges) with all errors of the sensor.
+    """Depths (or ranges) with all errors of the sensor; NaN where it gives no value. See `measure`."""
+    return measure(sensor, distance_m, incidence_rad, rng)[0]
+
+
+def measure(
+    sensor: Sensor,
+    distance_m: Float[np.ndarray, "rows columns"],
+    incidence_rad: Float[np.ndarray, "rows columns"],
+    rng: np.random.Generator,
+) -> tuple[Float[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
+    """What the sensor gives, and where that lies on no surface at all.
 
     Args:
         sensor: its laws.
@@ -25,21 +35,22 @@ def measured(
         rng: draws the same number of values whatever the scene, so that frames stay comparable.
 
     Returns:
-        NaN where the sensor gives no value.
+        depths (or ranges) with all errors, NaN where the sensor gives no value; whether each pixel is mixed,
+        that is, ends between two surfaces.
     """
     valid = np.isfinite(distance_m) & (incidence_rad <= sensor.max_incidence_rad)
     true_m = np.where(valid, distance_m, 1.0)
-    mixed_m = _mix_edges(sensor, true_m, valid, rng)
+    incidence = np.where(valid, incidence_rad, 0.0)
+    mixed_m = _mix_edges(sensor, true_m, incidence, valid, rng)
     noise = rng.standard_normal(true_m.shape)
     if sensor.correlation_pixels > 0.0:
         noise = _correlated(noise, sensor.correlation_pixels)
-    incidence = np.where(valid, incidence_rad, 0.0)
     value_m = mixed_m + noise * _sigma_m(sensor, mixed_m, incidence) + _bowl_m(sensor, true_m.shape)
     if sensor.step_per_m > 0.0:
         value_m = _quantised(value_m, sensor.step_per_m)
     keep = valid & (value_m >= sensor.min_m) & (value_m <= sensor.max_m)
     keep &= rng.random(true_m.shape) >= sensor.dropout_share
-    return np.where(keep, value_m, np.nan)
+    return np.where(keep, value_m, np.nan), mixed_m != true_m
 
 
 def _sigma_m(
@@ -91,6 +102,7 @@ def _bowl_m(sensor: Sensor, grid: tuple[int, ...]) -> Float[np.ndarray, "rows co
 def _mix_edges(
     sensor: Sensor,
     distance_m: Float[np.ndarray, "rows columns"],
+    incidence_rad: Float[np.ndarray, "rows columns"],
     valid: Bool[np.ndarray, "rows columns"],
     rng: np.random.Generator,
 ) -> Float[np.ndarray, "rows columns"]:
@@ -99,9 +111,16 @@ def _mix_edges(
     if sensor.mixed_share == 0.0:
         return distance_m
     mixed_m = distance_m.copy()
-    for axis in (0, 1):
+    slope = np.tan(np.minimum(incidence_rad, 1.5))
+    for axis, between_rad in ((0, sensor.height_rad / sensor.rows), (1, sensor.width_rad / sensor.columns)):
         neighbour_m = np.roll(distance_m, 1, axis)
-        edge = np.abs(neighbour_m - distance_m) > _EDGE_SHARE * distance_m
+        # A surface seen at a grazing angle recedes from pixel to pixel; that is no edge. Twice its slope
+        # leaves room for the curvature of a plane in terms of range.
+        share = _EDGE_SHARE + 2.0 * between_rad * np.maximum(slope, np.roll(slope, 1, axis))
+        edge = np.abs(neighbour_m - distance_m) > share * distance_m
         edge &= valid & np.roll(valid, 1, axis) & (chance < sensor.mixed_share)
+        if axis == 0 or sensor.kind == "camera":
+            # Only a scanner's azimuths meet again.
+            edge[(slice(None),) * axis + (0,)] = False
         mixed_m = np.where(edge, weight * distance_m + (1.0 - weight) * neighbour_m, mixed_m)
     return mixed_m

@@ -22,12 +22,9 @@ def add_furniture(quads: QuadList, item: Furniture, surface: int) -> None:
     elif item.kind == "bookcase":
         _bookcase(quads, item, surface)
     elif item.kind == "table":
-        top_m, leg_m = 0.04, 0.06
-        _part(quads, item, (0.0, 0.0, height - top_m), (length, width, top_m), surface, bottom=True)
-        for sx in (-0.5, 0.5):
-            for sy in (-0.5, 0.5):
-                foot = (sx * (length - leg_m), sy * (width - leg_m), 0.0)
-                _part(quads, item, foot, (leg_m, leg_m, height - top_m), surface)
+        _table(quads, item, surface)
+    elif item.kind == "chair":
+        _chair(quads, item, surface)
     elif item.kind == "lamp":
         _part(quads, item, (0.0, 0.0, 0.0), (0.5 * length, 0.5 * width, 0.03), surface)
         _part(quads, item, (0.0, 0.0, 0.03), (0.03, 0.03, 0.75 * height), surface)
@@ -56,6 +53,27 @@ def _part(
     centre = np.array([x, y, item.base_m + foot_m[2] + 0.5 * size_m[2]])
     # Things stand a hair above the floor, so that their foot and the floor never tie.
     quads.add_box(centre, np.array(size_m), item.yaw_rad, surface, bottom=bottom or item.base_m > 0.0)
+
+
+def _table(quads: QuadList, item: Furniture, surface: int) -> None:
+    length, width, height = item.size_m
+    top_m, leg_m = 0.04, 0.06
+    _part(quads, item, (0.0, 0.0, height - top_m), (length, width, top_m), surface, bottom=True)
+    for sx in (-0.5, 0.5):
+        for sy in (-0.5, 0.5):
+            foot = (sx * (length - leg_m), sy * (width - leg_m), 0.0)
+            _part(quads, item, foot, (leg_m, leg_m, height - top_m), surface)
+
+
+def _chair(quads: QuadList, item: Furniture, surface: int) -> None:
+    length, width, height = item.size_m
+    seat_m, leg_m = 0.5 * height, 0.04
+    _part(quads, item, (0.0, 0.0, seat_m - 0.04), (length, width, 0.04), surface, bottom=True)
+    _part(quads, item, (0.0, 0.5 * (width - leg_m), seat_m), (length, leg_m, height - seat_m), surface)
+    for sx in (-0.5, 0.5):
+        for sy in (-0.5, 0.5):
+            foot = (sx * (length - leg_m), sy * (width - leg_m), 0.0)
+            _part(quads, item, foot, (leg_m, leg_m, seat_m - 0.04), surface)
 
 
 def _bookcase(quads: QuadList, item: Furniture, surface: int) -> None:

@@ -230,7 +230,9 @@ def _cut_corner(rng: np.random.Generator, scene: Scene) -> ObliqueWall:
     return ObliqueWall(0, (x, y + dy), (x + dx, y))
 
 
-_KINDS: tuple[FurnitureKind, ...] = ("cupboard", "box", "table", "lamp", "pendant", "curtain", "table")
+_KINDS: tuple[FurnitureKind, ...] = (
+    "cupboard", "chair", "box", "table", "chair", "lamp", "pendant", "curtain", "table"
+)  # fmt: skip
 
 
 def _furniture(
@@ -313,6 +315,7 @@ def _free(rng: np.random.Generator, patches: Patches, floors: np.ndarray, kind: 
     base_m, yaw_rad = floor_m, float(rng.uniform(0.0, np.pi))
     sizes = {
         "table": (rng.uniform(1.0, 1.8), rng.uniform(0.6, 0.9), rng.uniform(0.70, 0.76)),
+        "chair": (rng.uniform(0.40, 0.46), rng.uniform(0.42, 0.50), rng.uniform(0.80, 0.95)),
         "lamp": (0.35, 0.35, rng.uniform(1.3, 1.7)),
         "pendant": (0.4, 0.4, 0.6),
     }[kind]
@@ -323,8 +326,10 @@ def _free(rng: np.random.Generator, patches: Patches, floors: np.ndarray, kind: 
 
 
 def _colour(rng: np.random.Generator) -> tuple[int, int, int]:
-    red, green, blue = (int(c) for c in rng.integers(60, 200, 3))
-    return (red, green, blue)
+    """Wood, cloth and paint: a shade with a tint, rather warm than cold."""
+    shade = int(rng.integers(55, 190))
+    red, green, blue = (shade + int(c) for c in rng.integers((0, -15, -45), (45, 20, 25)))
+    return (red, green, max(blue, 0))
 
 
 def _finishes(rng: np.random.Generator, shape: Shape, settings: RandomSceneSettings) -> tuple[Finish, ...]:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int, UInt8
 from indoorfit.errors import ConfigError
 from indoorfit.model import Frame, Scan, SensorFrame
 
-from .depth_noise import measured
+from .depth_noise import measure
 from .path import Pose
 from .pose import scan_frame
 from .rays import bundle_order, directions, pixel_grid
@@ -53,7 +53,7 @@ class DepthFrame:
     """Depth (camera) or range (scanner) with all errors; NaN where there is none."""
     colours: UInt8[np.ndarray, "rows columns 3"]
     point_plane: Int[np.ndarray, "rows columns"]
-    """Plane of the shape that each pixel saw, or -1."""
+    """Plane of the shape that each pixel saw; -1 for other things, and for pixels between two surfaces."""
     true: SensorFrame
     estimated: SensorFrame
 
@@ -211,10 +211,11 @@ def _take(
     sight = look(built, sensor, pose.position_m, rays, rng)
     grid = (sensor.rows, sensor.columns)
     true_m = sight.distance_m[back].reshape(grid) * optics.stretch
-    distance_m = measured(sensor, true_m, sight.incidence_rad[back].reshape(grid), rng)
+    distance_m, mixed = measure(sensor, true_m, sight.incidence_rad[back].reshape(grid), rng)
+    plane = np.where(mixed, -1, sight.plane[back].reshape(grid))
     colours = sight.colours[back]
     if sensor.colour_sigma > 0.0:
         # Single precision is plenty for colours and halves the time of drawing them.
         colours += sensor.colour_sigma * rng.standard_normal(colours.shape, dtype=np.float32)
     image = np.clip(colours, 0.0, 255.0).round().astype(np.uint8).reshape(*grid, 3)
-    return distance_m / optics.stretch, image, sight.plane[back].reshape(grid)
+    return distance_m / optics.stretch, image, plane

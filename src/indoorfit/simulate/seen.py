@@ -13,7 +13,7 @@ from .virtual import VirtualScan
 _MIN_REACH_M = 0.05
 """A point speaks for at least this much around it; smaller gaps are not worth telling."""
 _SIGMAS = 5.0
-"""Points further off are no longer of the plane but mixed pixels that end between two surfaces."""
+"""Points further off are stray: half a billionth of a Gaussian, and no part of what is seen of the plane."""
 
 
 def seen_of_planes(

@@ -103,6 +103,8 @@ class Sensor:
             rows=self.rows // step,
             lateral_pixels=self.lateral_pixels / step,
             correlation_pixels=self.correlation_pixels / step,
+            # A pixel is as wide as before, so of those beside an edge only every n-th lies on it.
+            mixed_share=self.mixed_share / step,
         )
 
 

@@ -74,6 +74,6 @@ def _posters(
     cell = np.floor(s / 1.4)
     on = (np.abs(s - 1.4 * cell - 0.7) < 0.3) & (np.abs(z - 1.5) < 0.4)
     number = cell + 17.0 * index
-    ink = 128.0 + 110.0 * np.sin(number[:, None] * np.array([1.7, 2.9, 4.3]) + np.array([0.0, 2.0, 4.0]))
+    ink = 128.0 + 60.0 * np.sin(number[:, None] * np.array([1.7, 2.9, 4.3]) + np.array([0.0, 2.0, 4.0]))
     picture = ink * (0.75 + 0.25 * np.sign(np.sin(25.0 * s) * np.sin(21.0 * z)))[:, None]
     return np.where(on[:, None], picture, base)

@@ -22,7 +22,7 @@ class VirtualScan:
     """The true pose of the Manhattan frame in the scan."""
     point_plane: Int[np.ndarray, " points"]
     """Index in `shape.planes` of the plane that each point was taken on; -1 for furniture, outliers,
-    jambs of doors and everything outside."""
+    jambs of doors, everything outside, and pixels that end between two surfaces."""
     true_frames: tuple[SensorFrame, ...] = ()
     """Where the sensor really was; `scan.frames` holds what the registration believed."""
     scene: Scene | None = None

@@ -34,8 +34,12 @@ def subtract_cubes(shape: Shape, room: Cube) -> RoomSolid:
     ).simplify(_SIMPLIFY_M)
     mesh = merged.to_mesh64()
     planes = np.array(mesh.face_id).astype(np.int64)
+    # Planes that passed each other turn a box inside out, which no later difference shows.
+    ordered = all(np.all(corners[0] < corners[1]) for corners in shape.bounds_m().values())
     closed = (
-        merged.status() == m3.Error.NoError
+        ordered
+        and merged.volume() > 0.0
+        and merged.status() == m3.Error.NoError
         and not merged.is_empty()
         and len(merged.decompose()) == 1
         and not np.any(planes == _NO_PLANE)

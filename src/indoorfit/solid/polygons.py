@@ -91,7 +91,7 @@ def _without_straight_corners(ring_m: Float[np.ndarray, "corners 3"]) -> Float[n
     return np.roll(kept, -first, axis=0)
 
 
-def _outer_first(rings_m: list[Float[np.ndarray, "corners 3"]]) -> list[Float[np.ndarray, "corners 3"]]:
+def _outer_first(rings_m: list[Float[np.ndarray, "_ 3"]]) -> list[Float[np.ndarray, "_ 3"]]:
     """The ring with the largest extent encloses the others."""
     return sorted(rings_m, key=lambda ring: -float(np.ptp(ring, axis=0).sum()))
 

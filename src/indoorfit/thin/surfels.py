@@ -57,7 +57,7 @@ def surfels(cloud: VoxelCloud, config: SurfelConfig) -> Surfels:
 
 def _refuse_flat(cloud: VoxelCloud) -> None:
     spread_m = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(cloud.means_m.T)), 0.0))
-    if spread_m[0] < 0.02 * spread_m[1]:
+    if spread_m[0] < 0.02 * spread_m[2]:
         raise InputError(
             f"thin: the points lie on one plane (they spread {spread_m[2]:.2f} x {spread_m[1]:.2f} x "
             f"{spread_m[0]:.3f} m); a room needs walls, floor and ceiling. Fix: scan more than one surface."

@@ -169,8 +169,8 @@ def _inconsistent_note(n_torn: int, n_gaps: int, gap_m: float) -> Note:
     return Note(
         "REGISTRATION_INCONSISTENT",
         f"A block of frames may be displaced: with the frames' slips taken out, {n_torn} of {n_gaps} "
-        f"distances between parallel faces move by up to {1e3 * gap_m:.0f} mm, more than their uncertainty. The values "
-        "are those of the cloud as it is, the intervals reach over both; measure one length by hand.",
+        f"distances between parallel faces move by up to {1e3 * gap_m:.0f} mm, more than their uncertainty. "
+        "The values are those of the cloud as it is, the intervals reach over both; measure one by hand.",
     )
 
 

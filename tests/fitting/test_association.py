@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from indoorfit.fit import AssociationConfig, associate
-from indoorfit.fit.patches import MAD_TO_STD, robust_location
+from indoorfit.fitting import AssociationConfig, associate
+from indoorfit.fitting.patches import MAD_TO_STD, robust_location
 from indoorfit.geometry import exposures
 from indoorfit.simulate import Hole, room_shape
 from synthetic import KINDS, virtual

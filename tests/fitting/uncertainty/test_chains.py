@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from cell_rooms import REGIMES, simulate_cell_room
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     SamplerConfig,
     WallFieldConfig,
     sample_wall_field,
     wall_field_predictive,
 )
-from indoorfit.fit.uncertainty.chains import autocorrelation_steps, sample_chain, split_rhat
+from indoorfit.fitting.uncertainty.chains import autocorrelation_steps, sample_chain, split_rhat
 
 
 def test_moves_reproduce_a_standard_normal_in_fourteen_dimensions() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     FusionConfig,
     Predictive,
     TypeBConfig,

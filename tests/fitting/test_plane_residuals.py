@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit.moments import plane_moments
-from indoorfit.fit.plane_residuals import Problem, Unknowns, residuals, rotation_matrix
+from indoorfit.fitting.moments import plane_moments
+from indoorfit.fitting.plane_residuals import Problem, Unknowns, residuals, rotation_matrix
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit.moments import plane_moments
-from indoorfit.fit.plane_residuals import Problem, Unknowns, residuals
+from indoorfit.fitting.moments import plane_moments
+from indoorfit.fitting.plane_residuals import Problem, Unknowns, residuals
 
 
 def points_of(seed: int, n: int = 60, planes: int = 4):

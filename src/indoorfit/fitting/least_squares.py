@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from .moments import PlaneMoments
 from .plane_residuals import Problem, Unknowns
@@ -27,7 +27,7 @@ _BLOCK = 32
 
 
 def solve(
-    moments: PlaneMoments, axes: Float[np.ndarray, " planes"], start_m: Float[np.ndarray, " planes"]
+    moments: PlaneMoments, axes: Int[np.ndarray, " planes"], start_m: Float[np.ndarray, " planes"]
 ) -> Solution:
     """Minimise over rotation and offsets.
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from indoorfit.errors import InputError
-from indoorfit.fit import AssociationConfig, JointConfig, fit_joint
+from indoorfit.fitting import AssociationConfig, JointConfig, fit_joint
 from indoorfit.model import Frame, Scan
 from synthetic import KINDS, expected_limit_m, is_rotation, virtual
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit import AssociationConfig, associate, build_cells
-from indoorfit.fit.residuals import with_inferred
+from indoorfit.fitting import AssociationConfig, associate, build_cells
+from indoorfit.fitting.residuals import with_inferred
 from synthetic import virtual
 
 

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from cell_rooms import REGIMES, Regime, simulate_cell_room
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     PoseFieldConfig,
     WallFieldConfig,
     pose_field_predictive,
     pose_obstacle,
     wall_field_predictive,
 )
-from indoorfit.fit.uncertainty.pose_cells import SLIP, build_layout, linearise
-from indoorfit.fit.uncertainty.pose_system import (
+from indoorfit.fitting.uncertainty.pose_cells import SLIP, build_layout, linearise
+from indoorfit.fitting.uncertainty.pose_system import (
     Robustness,
     evaluate_pose,
     patch_precisions,

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit.uncertainty import Cells, Contrasts
-from indoorfit.fit.uncertainty.location import student_t_precisions, weighted_map
+from indoorfit.fitting.uncertainty import Cells, Contrasts
+from indoorfit.fitting.uncertainty.location import student_t_precisions, weighted_map
 
 TILE_M = 0.25
 FOCAL_PX = 59.0  # 64 x 48 rays over 57 x 43 degrees

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from cell_rooms import REGIMES, CellRoom, simulate_cell_room
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     PoseFieldConfig,
     Predictive,
     WallFieldConfig,

@@ -4,9 +4,9 @@ import jax
 import numpy as np
 import pytest
 
-from indoorfit.fit import solver_cache
-from indoorfit.fit.least_squares import solve
-from indoorfit.fit.moments import plane_moments
+from indoorfit.fitting import solver_cache
+from indoorfit.fitting.least_squares import solve
+from indoorfit.fitting.moments import plane_moments
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from indoorfit.classify import ClassifyConfig, classify
-from indoorfit.fit.greedy import GreedyConfig, GreedyFit, fit_greedy
+from indoorfit.fitting.greedy import GreedyConfig, GreedyFit, fit_greedy
 from indoorfit.geometry import exposures
 from indoorfit.model import FaceClass, Frame, Scan, Segments, Shape, Surfels
 from indoorfit.segment import SegmentConfig, grow_surfaces

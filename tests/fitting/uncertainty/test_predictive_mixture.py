@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from indoorfit.fit.uncertainty import Predictive
-from indoorfit.fit.uncertainty.predictive import mixture_quantile
+from indoorfit.fitting.uncertainty import Predictive
+from indoorfit.fitting.uncertainty.predictive import mixture_quantile
 
 
 def make_predictive(rng: np.random.Generator, draws: int = 5, params: int = 6) -> Predictive:

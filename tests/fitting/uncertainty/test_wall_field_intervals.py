@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from cell_rooms import REGIMES, simulate_cell_room
 
-from indoorfit.fit.uncertainty import (
+from indoorfit.fitting.uncertainty import (
     Cells,
     Contrasts,
     WallFieldConfig,
     point_noise_floor,
     wall_field_predictive,
 )
-from indoorfit.fit.uncertainty.field import block_covariance, build_field, evaluate, log_likelihoods
-from indoorfit.fit.uncertainty.location import weighted_map
-from indoorfit.fit.uncertainty.wall_field import fit_wall_field, gls_predictive, laplace_draws
+from indoorfit.fitting.uncertainty.field import block_covariance, build_field, evaluate, log_likelihoods
+from indoorfit.fitting.uncertainty.location import weighted_map
+from indoorfit.fitting.uncertainty.wall_field import fit_wall_field, gls_predictive, laplace_draws
 
 CONFIG = WallFieldConfig()
 
@@ -198,10 +198,10 @@ def test_twelve_walls_cost_less_than_a_third_of_a_second() -> None:
 def test_importing_the_package_does_not_import_jax_or_emcee() -> None:
     code = (
         "import sys, types, pathlib, importlib.util as u\n"
-        "root = pathlib.Path(u.find_spec('indoorfit').origin).parent / 'fit'\n"
-        "fit = types.ModuleType('indoorfit.fit'); fit.__path__ = [str(root)]\n"
-        "sys.modules['indoorfit.fit'] = fit\n"
-        "import indoorfit.fit.uncertainty\n"
+        "root = pathlib.Path(u.find_spec('indoorfit').origin).parent / 'fitting'\n"
+        "fit = types.ModuleType('indoorfit.fitting'); fit.__path__ = [str(root)]\n"
+        "sys.modules['indoorfit.fitting'] = fit\n"
+        "import indoorfit.fitting.uncertainty\n"
         "assert 'emcee' not in sys.modules\n"
         "assert not any(name.split('.')[0] == 'jax' for name in sys.modules), 'jax'\n"
     )

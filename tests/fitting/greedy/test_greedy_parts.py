@@ -3,12 +3,12 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit.greedy import FittedPlane, GreedyConfig
-from indoorfit.fit.greedy.components import connected_segments
-from indoorfit.fit.greedy.first_cube import fit_unit_cube
-from indoorfit.fit.greedy.ransac import ransac_inliers, ransac_plane
-from indoorfit.fit.greedy.segment_points import segment_points
-from indoorfit.fit.greedy.selection import CLASS_SIDES, farthest_groups, wall_classes
+from indoorfit.fitting.greedy import FittedPlane, GreedyConfig
+from indoorfit.fitting.greedy.components import connected_segments
+from indoorfit.fitting.greedy.first_cube import fit_unit_cube
+from indoorfit.fitting.greedy.ransac import ransac_inliers, ransac_plane
+from indoorfit.fitting.greedy.segment_points import segment_points
+from indoorfit.fitting.greedy.selection import CLASS_SIDES, farthest_groups, wall_classes
 
 ORIGIN = np.zeros(3)
 ROUNDING_M = 1e-9  # float64 over some metres and a few hundred sums

@@ -5,6 +5,7 @@ that is half of the start-up time. So the traced programme is kept as well, wher
 user has given JAX a cache directory.
 """
 
+import hashlib
 import os
 import tempfile
 from collections.abc import Callable
@@ -22,14 +23,18 @@ _SAME_VERSION = [jax.export.DisabledSafetyCheck.custom_call("lapack_dormqr_ffi")
 """JAX promises this LAPACK call for one version only; the file's name holds the version."""
 
 
+_DIGEST_BYTES = 32
+
+
 @lru_cache
 def compiled_solver(n_planes: int) -> Callable:
     """`optimise.minimise` for a fixed number of planes, ready to call with x64 enabled."""
     path = _path(n_planes)
-    if path is not None and path.is_file():
+    stored = None if path is None else _load(path)
+    if stored is not None:
         # Lowering any factorisation makes JAX load LAPACK, which a stored programme does not do.
         jax.jit(jnp.linalg.qr).lower(jnp.eye(2))
-        exported = jax.export.deserialize(bytearray(path.read_bytes()))
+        exported = jax.export.deserialize(bytearray(stored))
     else:
         from .optimise import minimise
 
@@ -63,15 +68,24 @@ def _path(n_planes: int) -> Path | None:
 
 def _source_digest() -> str:
     """Changes whenever the traced code does, so that a stale programme is never used."""
-    import hashlib
-
     folder = Path(__file__).parent
     source = b"".join((folder / name).read_bytes() for name in ("plane_residuals.py", "optimise.py"))
     return hashlib.sha256(source).hexdigest()[:12]
 
 
-def _store(path: Path, content: bytes) -> None:
+def _load(path: Path) -> bytes | None:
+    """The stored programme, or None where there is none that is as it was written."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    digest, programme = content[:_DIGEST_BYTES], content[_DIGEST_BYTES:]
+    return programme if hashlib.sha256(programme).digest() == digest else None
+
+
+def _store(path: Path, programme: bytes) -> None:
     """Whole or not at all; a cache that cannot be written is no reason to fail."""
+    content = hashlib.sha256(programme).digest() + programme
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:

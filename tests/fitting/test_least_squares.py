@@ -6,8 +6,8 @@ import pytest
 from scipy.optimize import least_squares as scipy_least_squares
 from scipy.spatial.transform import Rotation
 
-from indoorfit.fit.least_squares import solve
-from indoorfit.fit.moments import plane_moments
+from indoorfit.fitting.least_squares import solve
+from indoorfit.fitting.moments import plane_moments
 
 AXES = np.array([0, 0, 1, 1, 2, 2])
 TRUE_M = np.array([-2.0, 2.0, -1.5, 1.5, -1.2, 1.3])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from indoorfit.fit import BeliefConfig, JointConfig, believe, fit_joint, intervals
+from indoorfit.fitting import BeliefConfig, JointConfig, believe, fit_joint, intervals
 from synthetic import virtual
 
 PIXEL_M = 0.15
