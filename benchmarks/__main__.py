@@ -46,7 +46,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=9000, help="seed of the first room (default 9000)")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
     parser.add_argument("--method", nargs="+", choices=("joint", "greedy"), default=["joint"])
-    parser.add_argument("--frame-ids", action="store_true", help="keep the frame of every scanned point")
+    parser.add_argument("--frame-ids", action="store_true", help="keep and use the frame of every point")
     parser.add_argument(
         "--levels", nargs="+", type=float, default=[0.95], help="nominal coverages; the first is scored"
     )
@@ -153,9 +153,15 @@ def remarks(results: Results) -> list[str]:
         lines = [f"{suite}, {run_name}: warnings {note_counts(outcomes) or 'none'}"]
         for outcome in outcomes:
             if not outcome.right:
-                lines.append(f"  seed {outcome.job.seed}: {'; '.join(outcome.faults)}")
+                lines.append(f"  seed {outcome.job.seed}: {'; '.join(map(brief, outcome.faults))}")
         said.append("\n".join(lines))
     return said
+
+
+def brief(fault: str) -> str:
+    """A fault in one line; of a traceback, which results.json has whole, its kind and its last line."""
+    first, *rest = fault.strip().splitlines()
+    return f"{first.split(':')[0]}: {rest[-1].strip()}" if rest else first
 
 
 def document(settings: dict[str, Any], rows: dict[str, dict[str, Row]], results: Results) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from benchmarks.outcome import Job, Outcome, PlanPicture
 from benchmarks.suites import SUITES
 from indoorfit import IndoorfitError, RunConfig
 from indoorfit.evaluate import Comparison, LengthCheck, compare, isprs_curves
+from indoorfit.fitting import BeliefConfig
 from indoorfit.model import Face, FitResult, Frame, Scan
 from indoorfit.pipeline import fit_scan, truth_result
 from indoorfit.simulate import VirtualScan
@@ -84,7 +85,9 @@ def _without_truth(job: Job) -> Outcome:
 
 
 def _fit(scan: Scan, job: Job, level: float) -> _Run:
-    config = RunConfig(method=job.method, level=level)  # type: ignore[arg-type]
+    # Frames are used only where they are asked for; without ids in the scan there is nothing to use.
+    belief = BeliefConfig(use_frames=job.frame_ids)
+    config = RunConfig(method=job.method, level=level, belief=belief)  # type: ignore[arg-type]
     result, fault, crashed = None, "", False
     _forget_peak()
     cpu, wall = time.process_time(), time.perf_counter()

@@ -2,11 +2,11 @@
 
     python benchmarks/sensor_noise.py
 
-First table: for each sensor and distance the law, the standard deviation that points on a simulated wall show
-along the sensor's axis, and the difference, which must be within 5 %. The wall is scanned as any scene is, ray
-by ray; only the middle of the image counts, where the law (for normal incidence) applies. The range limit and
-the systematic bowl are taken away, so that every sensor has a figure at 5 m. Second table: RMS of the position
-errors along each axis and of the rotation errors, for each regime. Exit code 1 if anything is out of bounds.
+First table: for each sensor and distance the law, the standard deviation that a simulated wall shows, and the
+difference, which must be within 5 %. The wall is scanned as any scene is, ray by ray; only the middle of the
+image is taken, where the law (for normal incidence) applies. The range limit and the systematic bowl are off,
+so that every sensor has a figure at 5 m. Second table: RMS of the position errors along each axis and of the
+rotation errors, for each regime. Exit code 1 if anything is out of bounds.
 """
 
 import sys

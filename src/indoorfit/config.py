@@ -40,9 +40,23 @@ class RunConfig:
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:
-            raise ConfigError(f"level: got {self.level}; needed a number from 0.5 to 0.999, such as 0.95.")
+            raise ConfigError(f"level: got {self.level}; needed 0.5 to 0.999. Fix: write 0.95 for 95 %.")
         if self.seed < 0:
-            raise ConfigError(f"seed: got {self.seed}; needed a whole number that is not negative.")
+            raise ConfigError(f"seed: got {self.seed}; needed 0 or more. Fix: write any whole number.")
+        _check_numbers(self, "")
+
+
+def _check_numbers(settings: Any, where: str) -> None:
+    """Sizes and counts are positive, everything else is not negative; the name tells which is which."""
+    for entry in dataclasses.fields(settings):
+        value, name = getattr(settings, entry.name), f"{where}{entry.name}"
+        if dataclasses.is_dataclass(value):
+            _check_numbers(value, f"{name}.")
+        elif isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
+            positive = isinstance(value, int) or entry.name.endswith(("_m", "_m2", "_deg"))
+            if not (value > 0 if positive else value >= 0):
+                needed = "a positive number" if positive else "a number that is not negative"
+                raise ConfigError(f"{name}: got {value}; needed {needed}. Fix: leave it out for the default.")
 
 
 def load_config(path: str | Path) -> RunConfig:
@@ -73,8 +87,19 @@ def config_from_dict(settings: dict[str, Any], name: str = "settings") -> RunCon
     try:
         return _converter().structure(settings, RunConfig)
     except cattrs.BaseValidationError as error:
+        refused = _config_error(error)
+        if refused is not None:
+            raise refused from error
         problems = "; ".join(cattrs.transform_error(error, path=name))
         raise ConfigError(f"{problems}. Fix: see `indoorfit fit --help` for the settings.") from error
+
+
+def _config_error(error: BaseException) -> ConfigError | None:
+    """The first of our own refusals among what the converter collected."""
+    if isinstance(error, ConfigError):
+        return error
+    inner = error.exceptions if isinstance(error, BaseExceptionGroup) else ()
+    return next((found for e in inner if (found := _config_error(e)) is not None), None)
 
 
 def config_to_dict(config: RunConfig) -> dict[str, Any]:

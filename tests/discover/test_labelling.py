@@ -8,7 +8,7 @@ import pytest
 from indoorfit.discover.evidence import Evidence
 from indoorfit.discover.labelling import LabelConfig, label_cells
 
-N_SURFELS = 10_000
+SEEN_M2 = 100.0
 
 
 def random_evidence(nx: int, ny: int, rng: np.random.Generator) -> Evidence:
@@ -40,7 +40,7 @@ def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) ->
             width = widths[j] if axis == 0 else widths[i]
             total -= odds(evidence.walls[axis][i, j], config.wall_between, config.wall_elsewhere) * width
     corners = padded[1:, 1:].astype(int) - padded[:-1, 1:] - padded[1:, :-1] + padded[:-1, :-1]
-    return total + 0.5 * np.log(N_SURFELS) * np.abs(corners).sum()
+    return total + 0.5 * np.log(SEEN_M2 / config.patch_m**2) * np.abs(corners).sum()
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -50,7 +50,7 @@ def test_no_other_labelling_has_a_lower_energy(seed):
     evidence = random_evidence(nx, ny, rng)
     grid = tuple(np.cumsum(rng.uniform(0.2, 1.0, n + 1)) for n in (nx, ny))
     config = LabelConfig()
-    found = energy(label_cells(evidence, grid, N_SURFELS, config), evidence, grid, config)
+    found = energy(label_cells(evidence, grid, SEEN_M2, config), evidence, grid, config)
     best = min(
         energy(np.array(bits, bool).reshape(nx, ny), evidence, grid, config)
         for bits in product([0, 1], repeat=nx * ny)
@@ -68,7 +68,7 @@ def test_a_room_that_is_seen_in_full_is_inside_and_the_rest_is_not():
     )
     grid = (np.array([0.0, 2.0, 6.0, 8.0]), np.array([0.0, 4.0]))
     np.testing.assert_array_equal(
-        label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [False, True, False]
+        label_cells(evidence, grid, SEEN_M2, LabelConfig()).ravel(), [False, True, False]
     )
 
 
@@ -80,6 +80,4 @@ def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
         walls=(np.array([[1.0], [1.0], [0.0]]), np.array([[1.0, 1.0], [0.0, 0.0]])),
     )
     grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 4.0]))
-    np.testing.assert_array_equal(
-        label_cells(evidence, grid, N_SURFELS, LabelConfig()).ravel(), [True, False]
-    )
+    np.testing.assert_array_equal(label_cells(evidence, grid, SEEN_M2, LabelConfig()).ravel(), [True, False])

@@ -166,6 +166,15 @@ def test_status_is_judged_where_it_is_known_whether_a_plane_was_seen():
     assert compare(model, truth).statuses == ()
 
 
+def test_a_missing_wall_that_the_scan_does_not_show_is_said_to_be_unseen():
+    notched, plain = exact(room_shape("L", length_m=5.0, width_m=4.0)), exact(box(5.0, 4.0, 2.7))
+    lacking = [notched.face(name).plane for name in compare(plain, notched).missing]
+    seen = {plane: True for plane in range(len(notched.shape.planes))} | {lacking[0]: False}
+    del seen[lacking[1]]
+    excuses = [fault.split("(")[-1] for fault in compare(plain, notched, seen).faults]
+    assert excuses == ["not seen)", "hardly seen)"]
+
+
 def test_an_open_mesh_is_a_fault():
     truth = exact(box(5.0, 4.0))
     mesh = truth.meshes[0]

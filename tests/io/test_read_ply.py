@@ -4,7 +4,7 @@ import re
 import time
 
 import numpy as np
-import plyfile  # noqa: TID251 - the oracle
+import plyfile
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import plyfile  # noqa: TID251 - the oracle
+import plyfile
 import pytest
 
 from indoorfit.errors import ConfigError, InputError, OutputError

@@ -18,11 +18,13 @@ from indoorfit.simulate import (
     RoomPlan,
     ScanSettings,
     Scene,
+    assemble_scan,
     build_scene,
     handheld_path,
     load_sensor,
     looking,
     random_scene,
+    recorded_rgbd,
     regime,
     scan_frames,
     stations,
@@ -213,3 +215,40 @@ def test_rgbd_frames_rebuild_the_scan(tmp_path):
 def test_scanner_has_no_rgbd_images(tmp_path):
     with pytest.raises(ConfigError, match="choose a camera"):
         write_rgbd(tmp_path, [], load_sensor("tls"))
+
+
+def test_every_room_gets_a_station_before_any_gets_two():
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        scene = random_scene(rng, RandomSceneSettings(n_rooms=3, n_furniture=2))
+        places_m = np.array([pose.position_m for pose in stations(scene, 4, rng)])
+        counts = [
+            int(((places_m[:, 0] > room.x_lines_m[0]) & (places_m[:, 0] < room.x_lines_m[-1])).sum())
+            for room in scene.rooms
+        ]
+        assert sum(counts) == 4
+        assert min(counts) >= 1
+
+
+def test_mixed_pixels_appear_at_edges_and_not_on_grazing_walls():
+    # A long bare corridor: most of its walls are seen at a grazing angle, and there is no edge in it.
+    corridor = RoomPlan((0.0, 12.0), (0.0, 1.6), ("#",), 0.0, 2.5)
+    rng = np.random.default_rng(0)
+    sensor = replace(load_sensor("tls"), sigma_m=(0.0, 0.0, 0.0), mixed_share=1.0)
+    virtual = virtual_scan(Scene((corridor,)), sensor, stations(Scene((corridor,)), 2, rng), regime("0"),
+                           rng, COARSE)  # fmt: skip
+    assert (virtual.point_plane >= 0).mean() > 0.99
+
+
+def test_frames_can_be_written_while_they_are_assembled(tmp_path):
+    rng = np.random.default_rng(0)
+    scene = Scene((BOX,))
+    sensor, path = load_sensor("kinect_v1").thinned(16), handheld_path(scene, 3, rng)
+    built, registration = build_scene(scene), regime("2cm")
+    frames = scan_frames(built, sensor, path, registration, np.random.default_rng(1), COARSE)
+    written = assemble_scan(built, sensor, recorded_rgbd(tmp_path, frames, sensor), registration, COARSE)
+    alone = virtual_scan(
+        scene, load_sensor("kinect_v1"), path, registration, np.random.default_rng(1), COARSE
+    )
+    assert written.scan.points_m.tobytes() == alone.scan.points_m.tobytes()
+    assert len(list((tmp_path / "depth").iterdir())) == 3

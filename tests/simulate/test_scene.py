@@ -1,5 +1,7 @@
 """Scenes survive the disk, and become the shapes and openings that they describe."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -14,6 +16,7 @@ from indoorfit.simulate import (
     Scene,
     Step,
     build_scene,
+    handheld_path,
     random_room,
     random_scene,
     read_scene,
@@ -134,3 +137,13 @@ def test_door_between_rooms_pierces_both_sides_of_the_partition():
     jambs_m = built.quads.corners_m()[built.quads.plane == -1]
     # The jambs span exactly the partition.
     assert (jambs_m[..., 0].min(), jambs_m[..., 0].max()) == (5.0, 5.2)
+
+
+def test_scene_of_the_documentation_can_be_scanned(tmp_path):
+    page = (Path(__file__).resolve().parents[2] / "docs" / "simulate.md").read_text(encoding="utf-8")
+    (tmp_path / "study.toml").write_text(page.split("```text\n")[1].split("```")[0], encoding="utf-8")
+    scene = read_scene(tmp_path / "study.toml")
+    built = build_scene(scene)
+    # Six walls, floor and ceiling, and the beam's two sides and its bottom.
+    assert len(built.shape.planes) == 11
+    assert len(handheld_path(scene, 3, np.random.default_rng(0))) == 3

@@ -65,6 +65,9 @@ def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> 
     from indoorfit.report import dimension_table
 
     log = logging.getLogger("indoorfit")
+    for note in scan.notes:
+        # At once: the note on the unit is the likeliest reason for what goes wrong later.
+        log.warning("%s: %s", note.code, note.message)
     result = fit_scan(scan, config)
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)

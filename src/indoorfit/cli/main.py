@@ -1,5 +1,6 @@
 """The command ``indoorfit``."""
 
+import os
 import sys
 from typing import Annotated
 
@@ -37,6 +38,10 @@ def main() -> None:
     except IndoorfitError as error:
         sys.stderr.write(f"indoorfit: {error}\n")
         code = 1
+    except BrokenPipeError:
+        # Whoever read the table has seen enough; the files are written before it is printed.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = 0
     except KeyboardInterrupt:
         sys.stderr.write("indoorfit: interrupted; nothing was written.\n")
         code = 130

@@ -94,13 +94,12 @@ def scan_scene(
     built = build_scene(scene)
     path, path_record = _path(scene, sensor, scanning, rng)
     registration = _registration(scanning)
-    step = {} if scanning.pixel_step is None else {"pixel_step": scanning.pixel_step}
     settings = ScanSettings(
         frame_ids=not scanning.no_frame_ids,
         sensor_poses=scanning.sensor_poses,
         tilt_rad=math.radians(angles_deg[0]),
         yaw_rad=math.radians(angles_deg[1]),
-        **step,
+        pixel_step=ScanSettings.pixel_step if scanning.pixel_step is None else scanning.pixel_step,
     )
     used = sensor.thinned(settings.pixel_step)
     frames = scan_frames(built, used, path, registration, rng, settings)

@@ -7,6 +7,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from indoorfit.errors import ConfigError
+
 from .evidence import Evidence
 
 
@@ -32,6 +34,16 @@ class LabelConfig:
     wall_price: float | None = None
     """Cost of every wall of the outline, for the position that it adds: by default half the logarithm of
     the number of patches of surface that were seen, about 3.5 (Schwarz 1978)."""
+
+    def __post_init__(self) -> None:
+        chances = ("ceiling_inside", "ceiling_outside", "floor_inside", "floor_outside")
+        for name in (*chances, "wall_between", "wall_elsewhere"):
+            value = getattr(self, name)
+            if not 0.0 < value < 1.0:
+                raise ConfigError(
+                    f"discover.labels.{name}: got {value}; needed a probability between 0 and 1. "
+                    "Fix: leave it out for the default."
+                )
 
 
 def label_cells(

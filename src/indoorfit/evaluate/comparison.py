@@ -48,6 +48,8 @@ class Comparison:
     """Ids of true lengths without a number in the model."""
     statuses: tuple[StatusCheck, ...]
     """Of the faces that were found and of which it is known whether they were seen."""
+    unseen: Mapping[str, str]
+    """True faces that the scan does not show, or hardly, with that in words."""
     footprint_iou: float
     solid_iou: float
     """Over all rooms together; boxes turned by `turn_rad` are taken as parallel."""
@@ -71,10 +73,16 @@ class Comparison:
             said.append(f"{self.n_rooms[0]} room(s) instead of {self.n_rooms[1]}")
         if not self.watertight:
             said.append("not watertight")
-        said += [f"missing {name}" for name in self.missing]
+        said += [f"missing {name}{self._excuse(name)}" for name in self.missing]
         said += [f"extra {name}" for name in self.extra]
-        said += [f"{item.truth} {item.distance_m:+.2f} m off as {item.model}" for item in self.misplaced]
+        said += [
+            f"{item.truth} {item.distance_m:+.2f} m off as {item.model}{self._excuse(item.truth)}"
+            for item in self.misplaced
+        ]
         return tuple(said)
+
+    def _excuse(self, face: str) -> str:
+        return f" ({self.unseen[face]})" if face in self.unseen else ""
 
 
 def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None = None) -> Comparison:
@@ -84,7 +92,7 @@ def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None 
         model: what was found.
         truth: exact.
         seen: for planes of the truth's shape, whether the scan has points on them. Planes that are left
-            out are not judged; None judges none.
+            out are in doubt and their status is not judged; None judges none.
     """
     alignment = align(model, truth)
     matched = match_faces(flat_faces(model, alignment), flat_faces(truth))
@@ -111,6 +119,7 @@ def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None 
         lengths=lengths,
         lost=lost,
         statuses=_statuses(model, truth, matched.pairs, seen or {}),
+        unseen={} if seen is None else _unseen(truth, seen),
         footprint_iou=footprint_iou(whole, true_whole, lines_m),
         solid_iou=solid_iou(whole, true_whole, lines_m),
         turn_rad=alignment.angle_rad,
@@ -132,6 +141,11 @@ def _statuses(
             found = model.face(pairs[face.id])
             checks.append(StatusCheck(face.id, found.id, expected, found.status))
     return tuple(checks)
+
+
+def _unseen(truth: FitResult, seen: Mapping[int, bool]) -> dict[str, str]:
+    words = {None: "hardly seen", False: "not seen"}
+    return {face.id: words[seen.get(face.plane)] for face in truth.faces if seen.get(face.plane) is not True}
 
 
 def _is_closed(mesh: RoomMesh) -> bool:

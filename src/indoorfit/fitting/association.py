@@ -77,10 +77,9 @@ def _associate(
     n_points, rms_m, coverage = np.zeros(n_planes, int), np.zeros(n_planes), np.zeros(n_planes)
     for exposure in exposures(shape):
         plane = shape.planes[exposure.plane]
-        if plane.status == "inferred":
-            # Whatever stands near an unseen wall is not that wall.
-            continue
-        chosen = _claim(points_m, exposure, plane.offset_m, config)
+        # Whatever stands near an unseen wall is not that wall.
+        seen = points_m if plane.status == "observed" else points_m[:0]
+        chosen = _claim(seen, exposure, plane.offset_m, config)
         claimed = points_m[chosen]
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)

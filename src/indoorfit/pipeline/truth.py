@@ -8,7 +8,7 @@ import numpy as np
 
 from indoorfit.measure import PlaneEvidence, Spread, Survey, Verdict, assemble, measurands, survey
 from indoorfit.measure.survey import NamedFace
-from indoorfit.model import FitResult, Frame, Note, Polygon, Shape
+from indoorfit.model import Cube, FitResult, Frame, Note, Polygon, Shape, Side
 from indoorfit.simulate import VirtualScan, cut_planes, seen_of_planes
 from indoorfit.solid import face_polygons, subtract_cubes
 
@@ -71,18 +71,16 @@ def _every_face_once(found: Survey, shape: Shape, polygons: Sequence[Sequence[Po
     for face in found.faces:
         same[face.id] = first.setdefault(id(face.polygon), face).id
     faces = list(first.values())
-    owners = {
-        plane: (cube.id, side)
-        for cube in shape.cubes
-        for side, plane in cube.sides.items()
-        if plane is not None
-    }
+    owners: dict[int, tuple[Cube, Side]] = {}
+    for cube in shape.cubes:
+        owners.update({plane: (cube, side) for side, plane in cube.sides.items() if plane is not None})
     n_walls = sum(face.kind == "wall" for face in found.faces)
     for room, pieces in zip(found.rooms, polygons, strict=True):
         for piece in pieces:
             if id(piece) not in first:
                 n_walls += 1
-                faces.append(NamedFace(f"wall-{n_walls}", "wall", room.id, *owners[piece.plane], piece))
+                cube, side = owners[piece.plane]
+                faces.append(NamedFace(f"wall-{n_walls}", "wall", room.id, cube.id, side, piece))
     dimensions = tuple(
         replace(
             dimension,

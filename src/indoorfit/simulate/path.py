@@ -1,5 +1,6 @@
 """Where a sensor stands and looks: hand-held paths and tripod stations inside the free floor."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,6 +17,8 @@ from .scene_shape import room_mask
 _CELL_M = 0.1
 _CLEARANCE_M = 0.35
 """Half the width of a person; still passes a door of 0.8 m."""
+_IN_THE_OPEN = 0.75
+"""A tripod is put up on the roomiest quarter of the floor."""
 _PITCHES_RAD = np.radians([-28.0, -3.0, 24.0])
 """A 43 degree camera held 1.5 m high needs these three to see floor, walls and ceiling."""
 
@@ -79,15 +82,21 @@ def handheld_path(
 
 
 def stations(scene: Scene, n_stations: int, rng: np.random.Generator) -> tuple[Pose, ...]:
-    """Upright poses of a scanner on a tripod, 1.6 m high, far apart from each other.
+    """Upright poses of a scanner on a tripod, 1.6 m high, far apart: one in each room, then where they lack.
 
     Raises:
         ConfigError: no free floor is left, or not one pose was asked for.
     """
     _check_count("station", n_stations)
     grid = _free_grid(scene)
+    chosen: list[Int[np.ndarray, " 2"]] = []
+    for room in scene.rooms[:n_stations]:
+        inside = grid.cells & _in_room(room, *grid.mesh_m())
+        if inside.any():
+            chosen += list(_far_apart(inside, 1, rng, _IN_THE_OPEN))
+    chosen += list(_far_apart(grid.cells, n_stations - len(chosen), rng, _IN_THE_OPEN, chosen))
     poses = []
-    for place_m in grid.centres_m(_far_apart(grid.cells, n_stations, rng)):
+    for place_m in grid.centres_m(np.array(chosen)):
         c, s = np.cos(yaw := rng.uniform(0.0, 2.0 * np.pi)), np.sin(yaw)
         z = scene.rooms[0].floor_m + 1.6
         poses.append(Pose(np.array([*place_m, z]), np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])))
@@ -109,6 +118,11 @@ class _Grid:
     def centres_m(self, index: Int[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """Middles of cells."""
         return self.low_m + (index + 0.5) * _CELL_M
+
+    def mesh_m(self) -> tuple[Float[np.ndarray, "nx ny"], Float[np.ndarray, "nx ny"]]:
+        """Coordinates of the middles of all cells."""
+        x_m, y_m = (self.low_m[k] + (np.arange(self.cells.shape[k]) + 0.5) * _CELL_M for k in range(2))
+        return np.broadcast_arrays(x_m[:, None], y_m[None, :])  # type: ignore[return-value]
 
 
 def _free_grid(scene: Scene) -> _Grid:
@@ -164,18 +178,27 @@ def _default_stops(grid: _Grid) -> int:
     return int(np.clip(round(grid.cells.sum() * _CELL_M**2 / 6.0), 2, 12))
 
 
-def _far_apart(cells: Bool[np.ndarray, "nx ny"], n: int, rng: np.random.Generator) -> Int[np.ndarray, "n 2"]:
-    """Free cells, each as far as possible from those before it; the first at random."""
+def _far_apart(
+    cells: Bool[np.ndarray, "nx ny"],
+    n: int,
+    rng: np.random.Generator,
+    open_share: float = 0.5,
+    before: Sequence[Int[np.ndarray, " 2"]] = (),
+) -> Int[np.ndarray, "n 2"]:
+    """Free cells, each as far as possible from those before it; the very first at random."""
     free = np.argwhere(cells)
-    # People stand in the middle of things, not in corners: only the roomier half of the floor counts.
+    # People stand in the middle of things, not in corners: only the roomier part of the floor counts.
     reach = ndimage.distance_transform_edt(np.pad(cells, 1))[1:-1, 1:-1]  # type: ignore[index]
     roominess = reach[tuple(free.T)]
-    free = free[roominess >= min(4.0, float(np.median(roominess)))]
-    chosen = [free[rng.integers(len(free))]]
-    for _ in range(n - 1):
+    free = free[roominess >= min(10.0 * open_share, float(np.quantile(roominess, open_share)))]
+    chosen = list(before)
+    while len(chosen) < len(before) + n:
+        if not chosen:
+            chosen.append(free[rng.integers(len(free))])
+            continue
         distance = np.min([((free - c) ** 2).sum(axis=1) for c in chosen], axis=0)
         chosen.append(free[np.argmax(distance * rng.uniform(0.7, 1.0, len(free)))])
-    return np.array(chosen)
+    return np.array(chosen[len(before) :], int).reshape(-1, 2)
 
 
 def _round_trip(cells: Bool[np.ndarray, "nx ny"], stops: Int[np.ndarray, "n 2"]) -> Int[np.ndarray, "m 2"]:

@@ -141,7 +141,7 @@ def _draw(
         new = rng.choice(len(share), size=missing, p=share)
         place = rng.random((missing, 3))
         new_m = patches.low_m[new] + place * (patches.high_m[new] - patches.low_m[new])
-        keep = ~_in_holes(holes, patches.plane[new], new_m)
+        keep = ~_in_holes(holes, patches.plane[new], patches.axis[new], new_m)
         if hides:
             keep &= ~_behind_boxes(boxes, patches.plane[new], new_m)
         patch, points_m = np.concatenate([patch, new[keep]]), np.concatenate([points_m, new_m[keep]])
@@ -149,13 +149,17 @@ def _draw(
 
 
 def _in_holes(
-    holes: tuple[Hole, ...], plane: Int[np.ndarray, " points"], points_m: Float[np.ndarray, "points 3"]
+    holes: tuple[Hole, ...],
+    plane: Int[np.ndarray, " points"],
+    axis: Int[np.ndarray, " points"],
+    points_m: Float[np.ndarray, "points 3"],
 ) -> Bool[np.ndarray, " points"]:
-    inside = np.zeros(len(plane), bool)
+    inside = np.zeros(len(points_m), bool)
     for hole in holes:
         within = (points_m >= np.array(hole.low_m)) & (points_m <= np.array(hole.high_m))
-        # Along its own axis a plane has one coordinate; two of three are the plane's extent.
-        inside |= (plane == hole.plane) & (within.sum(axis=1) >= 2)
+        # The extent along the plane's own axis is ignored.
+        within[np.arange(len(axis)), axis] = True
+        inside |= (plane == hole.plane) & within.all(axis=1)
     return inside
 
 
