@@ -1,5 +1,6 @@
 """The command ``indoorfit``."""
 
+import io
 import os
 import sys
 from typing import Annotated
@@ -33,6 +34,10 @@ def main() -> None:
         description="From a raw indoor point cloud to a watertight, measured room.",
         config=(tyro.conf.FlagCreatePairsOff,),
     )
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # A terminal without the sign for plus-minus is no reason to fail after the work is done.
+            stream.reconfigure(errors="replace")
     try:
         code = command.run()
     except IndoorfitError as error:
@@ -43,6 +48,6 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
     except KeyboardInterrupt:
-        sys.stderr.write("indoorfit: interrupted; nothing was written.\n")
+        sys.stderr.write("indoorfit: interrupted; nothing is half written.\n")
         code = 130
     sys.exit(code)

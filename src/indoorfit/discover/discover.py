@@ -63,7 +63,9 @@ def discover(
             )
     evidence = gather_evidence(surfaces, lines)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    inside = label_cells(evidence, grid, surfels.area_m2 * len(surfels.positions_m), config.labels)
+    inside, plan_notes = label_cells(
+        evidence, grid, surfels.area_m2 * len(surfels.positions_m), config.labels
+    )
     rooms = split_rooms(inside, evidence, grid, config.rooms)
     shape, notes = build_shape(rooms, grid, surfaces, config.rooms)
-    return shape, (*world_notes(segments, config.world), *notes)
+    return shape, (*world_notes(segments, config.world), *plan_notes, *notes)

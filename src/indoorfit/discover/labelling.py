@@ -7,7 +7,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
-from indoorfit.errors import ConfigError
+from indoorfit.errors import ConfigError, InputError
+from indoorfit.model import Note
 
 from .evidence import Evidence
 
@@ -35,6 +36,10 @@ class LabelConfig:
     """Cost of every wall of the outline, for the position that it adds: by default half the logarithm of
     the number of patches of surface that were seen, about 3.5 (Schwarz 1978)."""
 
+    time_limit_s: float = 10.0
+    """Seconds for the solver, which needs a fraction of one for a room; a storey of sixteen rooms takes
+    minutes to be proved optimal and gets the best plan found until then, with a warning."""
+
     def __post_init__(self) -> None:
         chances = ("ceiling_inside", "ceiling_outside", "floor_inside", "floor_outside")
         for name in (*chances, "wall_between", "wall_elsewhere"):
@@ -51,7 +56,7 @@ def label_cells(
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
     seen_m2: float,
     config: LabelConfig,
-) -> Bool[np.ndarray, "nx ny"]:
+) -> tuple[Bool[np.ndarray, "nx ny"], tuple[Note, ...]]:
     """Minimise the negative log posterior of inside/outside labels over the plan's cells.
 
     Each cell pays or earns for the ceiling and floor seen over it, each border between inside and
@@ -82,8 +87,20 @@ def label_cells(
     if price is None:
         # As many observations as the evidence is counted in.
         price = 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
-    chosen = _solve(cells.ravel(), np.concatenate(pairs), np.concatenate(costs), around, price)
-    return chosen.reshape(cells.shape)
+    borders = np.concatenate(pairs), np.concatenate(costs)
+    chosen, gap = _solve(cells.ravel(), *borders, around, price, config.time_limit_s)
+    # A whole wall's price short of the best is worth a warning.
+    notes = (_gap_note(gap, config.time_limit_s),) if gap > price else ()
+    return chosen.reshape(cells.shape), notes
+
+
+def _gap_note(gap: float, limit_s: float) -> Note:
+    return Note(
+        "PLAN_NOT_OPTIMAL",
+        f"The plan is too large to be labelled exactly in {limit_s:.0f} s: a better one by up to {gap:.0f} "
+        "nats may exist, some walls' worth. Look at it closely; raise discover.labels.time_limit_s, or cut the "
+        "scan into parts of a few rooms.",
+    )
 
 
 def _log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
@@ -107,7 +124,8 @@ def _solve(
     border_costs: Float[np.ndarray, " borders"],
     around: Int[np.ndarray, "vertices 4"],
     corner_price: float,
-) -> Bool[np.ndarray, " cells"]:
+    time_limit_s: float,
+) -> tuple[Bool[np.ndarray, " cells"], float]:
     """min c.x + w.b + price * k  with  b = |x_i - x_j|  and  k = |x_1 - x_2 - x_3 + x_4| at each vertex.
 
     Index -1 stands for the outside, whose label is 0.
@@ -132,10 +150,14 @@ def _solve(
         integrality=whole,
         bounds=Bounds(0, upper),  # pyright: ignore[reportArgumentType]
         constraints=rows.constraint(),
-        options={"mip_rel_gap": 1e-3},
+        options={"mip_rel_gap": 1e-4, "time_limit": time_limit_s},
     )
-    assert result.x is not None, "all-outside is always feasible"
-    return result.x[:n_cells] > 0.5
+    if result.x is None:
+        raise InputError(
+            f"discover: {len(cell_costs)} cells of the plan could not be labelled in {time_limit_s:.0f} s. "
+            "Fix: raise discover.labels.time_limit_s, or cut the scan into parts of a few rooms."
+        )
+    return result.x[:n_cells] > 0.5, float(result.fun - result.mip_dual_bound)
 
 
 class _Rows:

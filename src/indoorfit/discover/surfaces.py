@@ -33,8 +33,12 @@ class Surfaces:
 
 _MIN_CEILING_M2 = 0.5
 """Less than this is a lamp or a shelf, and the scan is taken as one without a ceiling."""
-_FLOOR_GAP_M = 0.4
-"""The lowest level surface must lie this near the foot of the walls, or it is a table and no floor."""
+_CEILING_GAP_M = 0.8
+"""A ceiling is at most this far below the highest tenth of the walls: a lowered one by half a metre, the
+tenth itself another quarter; a cupboard stands a metre below."""
+_FLOOR_GAP_M = 0.3
+"""A floor lies this near the lowest tenth of the walls, or it is a table: of a wall of 2.5 m the lowest
+tenth ends at 0.25 m, a table stands at 0.75 m."""
 
 
 def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass | None, ...]) -> Surfaces:
@@ -51,7 +55,8 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
         raise InputError(
             "discover: no upright surfaces; a room needs walls. Fix: check --up, or scan the walls as well."
         )
-    foot_m, top_m = np.percentile(heights_m, [1, 99])
+    # Reflections and what lies outside the windows reach below the floor: hence the tenth percentile.
+    foot_m, top_m = np.percentile(heights_m, [10, 99])
     floor_height_m = _main_level(floor_m[:, 2]) if len(floor_m) else np.inf
     if floor_height_m > foot_m + _FLOOR_GAP_M:
         lowest = f" (the lowest level surface is {floor_height_m - foot_m:.2f} m above it)"
@@ -62,6 +67,9 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
         )
     seen = len(ceiling_m) * surfels.area_m2 >= _MIN_CEILING_M2
     ceiling_height_m = _main_level(ceiling_m[:, 2]) if seen else float(top_m)
+    if ceiling_height_m < np.percentile(heights_m, 90) - _CEILING_GAP_M:
+        # The walls go on above it: a bed or a table, in a scan without a ceiling.
+        seen, ceiling_height_m = False, float(top_m)
     return Surfaces(
         walls_m=walls,
         wall_segments=(segments.labels[kind == 0], segments.labels[kind == 1]),

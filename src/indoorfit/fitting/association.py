@@ -79,7 +79,10 @@ def _associate(
         plane = shape.planes[exposure.plane]
         # Whatever stands near an unseen wall is not that wall.
         seen = points_m if plane.status == "observed" else points_m[:0]
-        chosen = _claim(seen, exposure, plane.offset_m, config)
+        rivals_m = [
+            other.offset_m for other in shape.planes if other.axis == plane.axis and other is not plane
+        ]
+        chosen = _claim(seen, exposure, plane.offset_m, rivals_m, config)
         claimed = points_m[chosen]
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)
@@ -92,7 +95,11 @@ def _associate(
 
 
 def _claim(
-    points_m: Float[np.ndarray, "points 3"], exposure: Exposure, offset_m: float, config: AssociationConfig
+    points_m: Float[np.ndarray, "points 3"],
+    exposure: Exposure,
+    offset_m: float,
+    rivals_m: list[float],
+    config: AssociationConfig,
 ) -> Int[np.ndarray, " claimed"]:
     """Indices of the points on the exposed part of one plane."""
     residuals_m = points_m[:, exposure.axis] - offset_m
@@ -105,7 +112,15 @@ def _claim(
         return near[:0]
     sigma_m = MAD_TO_STD * float(np.median(np.abs(bulk - np.median(bulk))))
     reach_m = float(np.clip(config.reach_sigmas * sigma_m, config.reach_m, config.max_reach_m))
-    return near[inside & (np.abs(residuals_m[near]) < reach_m)]
+    # The other side of a partition is another wall: what lies nearer to it is not claimed.
+    low_m = max((0.5 * (r + offset_m) for r in rivals_m if r < offset_m - _SAME_WALL_M), default=-np.inf)
+    high_m = min((0.5 * (r + offset_m) for r in rivals_m if r > offset_m + _SAME_WALL_M), default=np.inf)
+    place_m = points_m[near, exposure.axis]
+    return near[inside & (np.abs(residuals_m[near]) < reach_m) & (place_m > low_m) & (place_m < high_m)]
+
+
+_SAME_WALL_M = 0.06
+"""Parallel planes that are nearer are one wall seen in two places, as for the candidates of discovery."""
 
 
 def _margin(exposure: Exposure, edge_m: float) -> float:

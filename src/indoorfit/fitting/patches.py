@@ -62,7 +62,7 @@ def summarise(
     n_frames = 1
     if frames is not None and len(frames):
         n_frames = int(frames.max()) + 1
-        group = group * n_frames + frames
+        group = group.astype(np.int64) * n_frames + frames
     order = np.argsort(group, kind="stable")
     bounds = np.flatnonzero(np.diff(group[order], prepend=-1, append=-1))
     means_m, variances_m2, counts, found = [], [], [], []
@@ -103,13 +103,14 @@ def _patch_numbers(
 ) -> Int[np.ndarray, " claimed"]:
     """The patch of every point, in small integers, which sort fastest."""
     first, second = (axis for axis in range(3) if axis != exposure.axis)
-    index = np.zeros(len(claimed_m), np.int16)
+    index = np.zeros(len(claimed_m), np.int64)
     for axis, lines_m in ((first, exposure.u_m), (second, exposure.v_m)):
         span_m = lines_m[-1] - lines_m[0]
         n = max(1, round(span_m / patch_m))
-        step = ((claimed_m[:, axis] - lines_m[0]) / span_m * n).astype(np.int16)
-        index = index * np.int16(n) + np.clip(step, 0, n - 1).astype(np.int16)
-    return index
+        step = ((claimed_m[:, axis] - lines_m[0]) / span_m * n).astype(np.int64)
+        index = index * n + np.clip(step, 0, n - 1)
+    # Small integers sort fastest, by counting.
+    return index.astype(np.int16) if index.max(initial=0) < 2**15 else index
 
 
 _TUKEY = 4.685

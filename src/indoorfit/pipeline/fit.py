@@ -142,7 +142,7 @@ def _measure(
             config.belief,
             rng,
         )
-    shape = belief.shape
+    shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
         found = survey(shape, solids, [face_polygons(solid) for solid in solids])
@@ -174,6 +174,15 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+
+
+def _unseen_told(shape: Shape, data: PatchData) -> Shape:
+    """Planes that the fit found no points for are inferred, whatever discovery thought of them."""
+    fitted = set(data.patches.plane.tolist())
+    planes = [
+        plane if k in fitted else replace(plane, status="inferred") for k, plane in enumerate(shape.planes)
+    ]
+    return replace(shape, planes=tuple(planes))
 
 
 def _doubts(closed: bool, converged: bool) -> tuple[Note, ...]:
