@@ -12,9 +12,7 @@ class DemoCommand:
     """Simulate a scan of the thesis' L-shaped room (5.08 x 3.20 x 2.70 m) and fit it."""
 
     out: Path = Path("indoorfit-demo")
-    """Directory to write; it must not exist, or hold an earlier result and --overwrite be given."""
-    overwrite: bool = False
-    """Replace an earlier result in the same directory."""
+    """Directory to write; an earlier demo there is replaced, and nothing else."""
     seed: int = 0
     """Seed of the simulated scan."""
     quiet: bool = False
@@ -31,10 +29,24 @@ class DemoCommand:
         from indoorfit.io import check_output_directory
         from indoorfit.simulate import SamplingSettings, room_shape, sample_surface
 
-        check_output_directory(self.out, overwrite=self.overwrite)
+        overwrite = _holds_demo(self.out)
+        check_output_directory(self.out, overwrite=overwrite)
         # Tilted and turned as a hand-held scan is, with a cupboard and a window.
         settings = SamplingSettings(
             yaw_rad=math.radians(23.0), tilt_rad=math.radians(4.0), n_furniture=1, n_windows=1
         )
         virtual = sample_surface(room_shape("L"), settings, np.random.default_rng(self.seed), name="demo")
-        return run_pipeline(virtual.scan, RunConfig(), self.out, overwrite=self.overwrite, as_json=False)
+        return run_pipeline(virtual.scan, RunConfig(), self.out, overwrite=overwrite, as_json=False)
+
+
+def _holds_demo(directory: Path) -> bool:
+    """Whether the directory is an earlier demo's and not a result that somebody wants to keep."""
+    from indoorfit.errors import InputError
+    from indoorfit.io import read_model_json
+
+    try:
+        earlier = read_model_json(directory / "model.json")
+    except InputError:
+        return False
+    source = earlier.provenance.get("input")
+    return isinstance(source, dict) and source.get("name") == "demo"

@@ -98,8 +98,8 @@ def _gap_note(gap: float, limit_s: float) -> Note:
     return Note(
         "PLAN_NOT_OPTIMAL",
         f"The plan is too large to be labelled exactly in {limit_s:.0f} s: a better one by up to {gap:.0f} "
-        "nats may exist, some walls' worth. Look at it closely; raise discover.labels.time_limit_s, or cut the "
-        "scan into parts of a few rooms.",
+        "nats may exist, some walls' worth. Look at it closely; raise discover.labels.time_limit_s, or cut "
+        "the scan into parts of a few rooms.",
     )
 
 
