@@ -99,7 +99,7 @@ def test_an_earlier_result_is_kept_without_overwrite_and_replaced_with_it(writte
     assert [path.name for path in out.parent.iterdir()] == ["out"]
 
 
-@pytest.mark.parametrize("broken", ["write_glb", "write_dimensions_csv", "plan_svg", "report_html"])
+@pytest.mark.parametrize("broken", ["write_glb", "write_dimensions_csv", "plan_picture", "report_html"])
 def test_a_writer_that_fails_leaves_nothing_behind(fitted, tmp_path, monkeypatch, broken):
     def fails(*_, **__):
         raise OSError(28, "No space left on device")

@@ -18,6 +18,7 @@ from .uncertainty import (
     PoseFieldConfig,
     Predictive,
     WallFieldConfig,
+    fuse,
     pose_field_predictive,
     pose_obstacle,
     wall_field_predictive,
@@ -139,7 +140,7 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
     wall_precision, pose_precision = precise
     share = wall_precision / (wall_precision + pose_precision)
     gap_m = np.abs(wall.mean - pose.mean)
-    torn = gap_m > config.inconsistent_sigmas * np.hypot(wall.std, pose.std)
+    torn = fuse(wall, pose, config).inconsistent
     notes: tuple[Note, ...] = ()
     if torn.any():
         share = 1.0

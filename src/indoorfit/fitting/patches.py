@@ -9,8 +9,7 @@ from jaxtyping import Float, Int
 
 from indoorfit.geometry import Exposure
 
-MAD_TO_STD = 1.4826
-"""Median absolute deviation of a Gaussian to its standard deviation."""
+from .uncertainty.location import MAD_TO_STD as MAD_TO_STD
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 from indoorfit.export import write_dimensions_csv, write_glb, write_obj, write_vrml
 from indoorfit.io import atomic_directory, write_model_json
 from indoorfit.model import FitResult, Scan
-from indoorfit.report import plan_svg, render_png, report_html, write_plan_png
+from indoorfit.report import plan_picture, render_png, report_html, to_svg, write_picture_png
 
 
 def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *, overwrite: bool) -> None:
@@ -27,8 +27,10 @@ def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *
         write_vrml(out / "model.wrl", result)
         write_obj(out / "model.obj", result)
         write_dimensions_csv(out / "dimensions.csv", result)
-        drawing = plan_svg(result, points_m)
+        # Laying the plan out takes longer than drawing it: once for both formats.
+        picture = plan_picture(result, points_m)
+        drawing = to_svg(picture)
         (out / "plan.svg").write_text(drawing, encoding="utf-8")
-        write_plan_png(out / "plan.png", result, points_m)
+        write_picture_png(out / "plan.png", picture)
         render_png(out / "view.png", result)
         (out / "report.html").write_text(report_html(result, drawing), encoding="utf-8")
