@@ -18,7 +18,7 @@ class CandidateConfig:
     min_area_m2: float = 0.10
     """Least area of wall on a candidate: half the side of a 10 cm pilaster 2 m high."""
     min_end_m: float = 0.5
-    """Least length over which floor or ceiling must end together to suggest an unseen wall there."""
+    """Least length over which floor, ceiling or a wall must end together to suggest an unseen wall there."""
 
 
 @dataclass(frozen=True)
@@ -32,26 +32,40 @@ class Lines:
     """The line of every wall surfel of this axis, -1 for none."""
 
 
-def candidate_lines(surfaces: Surfaces, axis: int, config: CandidateConfig) -> Lines:
-    """Candidates perpendicular to one plan axis.
+def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines, Lines]:
+    """Candidates perpendicular to x, and to y.
 
     Args:
         surfaces: sorted evidence, Manhattan frame.
-        axis: 0 for lines of constant x, 1 for constant y.
         config: see `CandidateConfig`.
     """
-    labels = surfaces.wall_segments[axis]
-    across_m = surfaces.walls_m[axis][:, axis]
     area_m2 = (surfaces.pixel_m / 2.0) ** 2
-    offsets_m, surfel_line = _cluster(labels, across_m, area_m2, config)
-    ends_m = _coverage_ends(surfaces, axis, config)
-    fresh_m = [end for end in ends_m if all(abs(end - offset) > _end_reach(surfaces) for offset in offsets_m)]
-    everything = np.concatenate([offsets_m, fresh_m])
+    seen = [
+        _cluster(surfaces.wall_segments[axis], surfaces.walls_m[axis][:, axis], area_m2, config)
+        for axis in (0, 1)
+    ]
+    across_x, across_y = (
+        _with_ends(
+            seen[axis],
+            [*_coverage_ends(surfaces, axis, config), *_wall_ends(surfaces, axis, seen[1 - axis][1], config)],
+            _end_reach(surfaces),
+        )
+        for axis in (0, 1)
+    )
+    return across_x, across_y
+
+
+def _with_ends(
+    seen: tuple[Float[np.ndarray, " lines"], Int[np.ndarray, " n"]], ends_m: list[float], reach_m: float
+) -> Lines:
+    """Seen walls, and ends that no seen wall explains."""
+    offsets_m, surfel_line = seen
+    fresh_m = [end for end in ends_m if all(abs(end - offset) > reach_m for offset in offsets_m)]
+    everything = np.concatenate([offsets_m, _distinct(fresh_m, reach_m)])
     order = np.argsort(everything, kind="stable")
     # The last rank serves surfels without a line.
     rank = np.append(np.argsort(order, kind="stable"), -1)
-    seen = (np.arange(len(everything)) < len(offsets_m))[order]
-    return Lines(everything[order], seen, rank[surfel_line])
+    return Lines(everything[order], (np.arange(len(everything)) < len(offsets_m))[order], rank[surfel_line])
 
 
 def _cluster(
@@ -127,7 +141,25 @@ def _coverage_ends(surfaces: Surfaces, axis: int, config: CandidateConfig) -> li
         row = np.floor(along / surfaces.pixel_m).astype(int)
         for sign in (-1.0, 1.0):
             ends += _row_ends(row, sign * across, sign, surfaces.pixel_m, config)
-    return _distinct(ends, _end_reach(surfaces))
+    return ends
+
+
+def _wall_ends(
+    surfaces: Surfaces, axis: int, line: Int[np.ndarray, " n"], config: CandidateConfig
+) -> list[float]:
+    """Positions at which walls along `axis` stop: at a salient corner the wall round it may be unseen.
+
+    Only the upper half of the walls counts: below, furniture ends them anywhere.
+    """
+    wall_m = surfaces.walls_m[1 - axis]
+    upper = wall_m[:, 2] > 0.5 * (surfaces.floor_height_m + surfaces.ceiling_height_m)
+    ends: list[float] = []
+    for one in np.unique(line[upper & (line >= 0)]):
+        points_m = wall_m[upper & (line == one)]
+        row = np.floor(points_m[:, 2] / surfaces.pixel_m).astype(int)
+        for sign in (-1.0, 1.0):
+            ends += _row_ends(row, sign * points_m[:, axis], sign, surfaces.pixel_m, config)
+    return ends
 
 
 def _row_ends(

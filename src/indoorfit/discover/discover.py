@@ -51,10 +51,7 @@ def discover(
         InputError: no walls, no floor, or no closed room.
     """
     surfaces = find_surfaces(surfels, segments, classes)
-    lines = (
-        candidate_lines(surfaces, 0, config.candidates),
-        candidate_lines(surfaces, 1, config.candidates),
-    )
+    lines = candidate_lines(surfaces, config.candidates)
     for axis, found in zip("xy", lines, strict=True):
         if len(found.offsets_m) < 2:
             raise InputError(
