@@ -19,6 +19,10 @@ class LabelConfig:
     patch_m: float = 0.3
     """Evidence is counted once per square of this side (once per this length of wall): what hides a
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
+    unseen_m: float = 1.0
+    """What was not seen of floor and ceiling is counted once per square of this side: a gap has one cause, a
+    place where the path never looked or that stood in the shadow of a wall, and is as large as a view (a
+    depth camera sees 2 m of a surface 2 m away, half of it in no other view)."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
@@ -75,7 +79,7 @@ def label_cells(
         config: see `LabelConfig`.
     """
     widths = [np.diff(line) for line in grid]
-    cells = -_cell_gain(evidence, np.outer(*widths) / config.patch_m**2, config)
+    cells = -_cell_gain(evidence, np.outer(*widths), config)
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
@@ -106,10 +110,14 @@ def _log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
 
 
 def _cell_gain(
-    evidence: Evidence, patches: Float[np.ndarray, "nx ny"], config: LabelConfig
+    evidence: Evidence, area_m2: Float[np.ndarray, "nx ny"], config: LabelConfig
 ) -> Float[np.ndarray, "nx ny"]:
-    gain = _log_odds(evidence.floor, config.floor_inside, config.floor_outside)
+    kinds = [(evidence.floor, config.floor_inside, config.floor_outside)]
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
-        gain = gain + _log_odds(evidence.ceiling, config.ceiling_inside, config.ceiling_outside)
-    return gain * patches
+        kinds.append((evidence.ceiling, config.ceiling_inside, config.ceiling_outside))
+    gain = np.zeros(area_m2.shape)
+    for share, inside, outside in kinds:
+        gain += share * area_m2 / config.patch_m**2 * np.log(inside / outside)
+        gain += (1.0 - share) * area_m2 / config.unseen_m**2 * np.log((1.0 - inside) / (1.0 - outside))
+    return gain
