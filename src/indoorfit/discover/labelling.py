@@ -9,6 +9,7 @@ from indoorfit.errors import ConfigError
 from indoorfit.model import Note
 
 from .evidence import Evidence
+from .gaps import coverage_gaps
 from .minimise import PlanEnergy, minimise
 
 
@@ -19,6 +20,9 @@ class LabelConfig:
     patch_m: float = 0.3
     """Evidence is counted once per square of this side (once per this length of wall): what hides a
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
+    gap_m: float = 1.0
+    """In a hole of the coverage, with room all around, evidence is counted once per square of this side: a
+    hole has one cause. From 1.5 m height, a camera that nowhere looks straight down or up leaves such holes."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
@@ -75,7 +79,7 @@ def label_cells(
         config: see `LabelConfig`.
     """
     widths = [np.diff(line) for line in grid]
-    cells = -_cell_gain(evidence, np.outer(*widths) / config.patch_m**2, config)
+    cells = -_cell_gain(evidence, np.outer(*widths), config)
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
@@ -106,10 +110,12 @@ def _log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
 
 
 def _cell_gain(
-    evidence: Evidence, patches: Float[np.ndarray, "nx ny"], config: LabelConfig
+    evidence: Evidence, area_m2: Float[np.ndarray, "nx ny"], config: LabelConfig
 ) -> Float[np.ndarray, "nx ny"]:
-    gain = _log_odds(evidence.floor, config.floor_inside, config.floor_outside)
+    kinds = [(evidence.floor, config.floor_inside, config.floor_outside)]
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
-        gain = gain + _log_odds(evidence.ceiling, config.ceiling_inside, config.ceiling_outside)
-    return gain * patches
+        kinds.append((evidence.ceiling, config.ceiling_inside, config.ceiling_outside))
+    patches = area_m2 / config.patch_m**2
+    gain = sum(_log_odds(share, if_true, if_false) for share, if_true, if_false in kinds)
+    return gain * np.where(coverage_gaps(evidence), area_m2 / config.gap_m**2, patches)
