@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy import ndimage
 
 from indoorfit.errors import InputError
 from indoorfit.geometry import Exposure, exposures, shape_from_plan
 from indoorfit.model import Note, Plane, Shape
 
 from .evidence import Evidence
+from .passages import close_passages, open_borders, pieces_of
 from .surfaces import Surfaces
 
 
@@ -26,6 +26,11 @@ class RoomConfig:
     partition_share: float = 0.6
     """Two inside cells are apart where their border shows at least this share of wall: more than a
     wardrobe against a wall adds, less than a partition with a door leaves."""
+    door_m: float = 1.5
+    """Openings in a wall up to this clear width are doors between two rooms (a double door has 1.4 m);
+    wider ones make one room of the two."""
+    wall_m: float = 0.5
+    """Greatest thickness of a wall that a door leads through: old masonry; plans since 1900 have less."""
     step_m: float = 0.08
     """Levels of ceiling or floor that differ by more are reported as a step; as for walls."""
 
@@ -41,16 +46,11 @@ def split_rooms(
     Raises:
         InputError: nothing of the size of a room.
     """
-    # Cells at even, borders at odd positions of a doubled grid, so that a wall can cut between cells.
-    doubled = np.zeros([2 * n - 1 for n in inside.shape], bool)
-    doubled[::2, ::2] = inside
-    open_x = evidence.walls[0][1:-1] < config.partition_share
-    open_y = evidence.walls[1][:, 1:-1] < config.partition_share
-    doubled[1::2, ::2] = inside[1:] & inside[:-1] & open_x
-    doubled[::2, 1::2] = inside[:, 1:] & inside[:, :-1] & open_y
-    labels, n = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
+    links = open_borders(inside, evidence, config.partition_share)
+    inside = close_passages(inside, links, grid, config.door_m, config.wall_m, config.min_area_m2)
+    labels = pieces_of(inside, open_borders(inside, evidence, config.partition_share))
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
-    pieces = [labels[::2, ::2] == k for k in range(1, n + 1)]
+    pieces = [labels == k for k in range(1, int(labels.max()) + 1)]
     pieces.sort(key=lambda mask: -areas[mask].sum())
     large = [mask for mask in pieces if areas[mask].sum() >= config.min_area_m2]
     for small in pieces[len(large) :]:

@@ -1,0 +1,104 @@
+"""Doors between rooms: where the inside of the plan is narrow and wall goes on at both sides."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from .evidence import Evidence
+
+
+def open_borders(
+    inside: Bool[np.ndarray, "nx ny"], evidence: Evidence, partition_share: float
+) -> tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]]:
+    """Borders between two inside cells on which less wall was seen than a partition shows."""
+    open_x = evidence.walls[0][1:-1] < partition_share
+    open_y = evidence.walls[1][:, 1:-1] < partition_share
+    return inside[1:] & inside[:-1] & open_x, inside[:, 1:] & inside[:, :-1] & open_y
+
+
+def pieces_of(
+    inside: Bool[np.ndarray, "nx ny"],
+    links: tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]],
+) -> Int[np.ndarray, "nx ny"]:
+    """Number of the linked piece that each cell belongs to; 0 outside."""
+    # Cells at even, borders at odd positions of a doubled grid, so that a wall can cut between cells.
+    doubled = np.zeros([2 * n - 1 for n in inside.shape], bool)
+    doubled[::2, ::2] = inside
+    doubled[1::2, ::2], doubled[::2, 1::2] = links
+    labels, _ = ndimage.label(doubled)  # pyright: ignore[reportGeneralTypeIssues]
+    return labels[::2, ::2]
+
+
+def close_passages(
+    inside: Bool[np.ndarray, "nx ny"],
+    links: tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]],
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    door_m: float,
+    wall_m: float,
+    room_m2: float,
+) -> Bool[np.ndarray, "nx ny"]:
+    """The inside without the reveals of doors that part it into rooms.
+
+    A passage through a wall is a block of inside cells at most `wall_m` deep and `door_m` wide, with no
+    inside at either flank and inside at both ends. It is closed if two pieces of at least `room_m2` fall
+    apart: the neck between two pillars, or before a niche, stays.
+
+    Args:
+        inside: labels of cells.
+        links: borders across which cells belong together.
+        grid: candidate lines, metres.
+        door_m: clear width up to which an opening is a door.
+        wall_m: greatest thickness of a wall.
+        room_m2: least area of a room.
+    """
+    areas_m2 = np.outer(np.diff(grid[0]), np.diff(grid[1]))
+    kept = inside.copy()
+    for axis in (0, 1):
+        # Views: what is changed in `turned` changes `kept`.
+        turned, lines = np.moveaxis(kept, axis, 0), (grid[axis], grid[1 - axis])
+        for block in list(_blocks(turned, lines, door_m, wall_m)):
+            before = turned[block].copy()
+            if not before.all():
+                continue  # part of a passage that was closed already
+            whole = _large(kept, links, areas_m2, room_m2)
+            turned[block] = False
+            if _large(kept, links, areas_m2, room_m2) <= whole:
+                turned[block] = before
+    return kept
+
+
+def _large(
+    inside: Bool[np.ndarray, "nx ny"],
+    links: tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]],
+    areas_m2: Float[np.ndarray, "nx ny"],
+    room_m2: float,
+) -> int:
+    """Number of pieces as large as a room."""
+    still = links[0] & inside[1:] & inside[:-1], links[1] & inside[:, 1:] & inside[:, :-1]
+    pieces = pieces_of(inside, still)
+    sizes_m2 = np.bincount(pieces.ravel(), areas_m2.ravel())[1:]
+    return int(np.sum(sizes_m2 >= room_m2))
+
+
+def _blocks(
+    inside: Bool[np.ndarray, "n m"],
+    lines: tuple[Float[np.ndarray, " n1"], Float[np.ndarray, " m1"]],
+    door_m: float,
+    wall_m: float,
+) -> Iterator[tuple[slice, slice]]:
+    """Passages along the first axis, thinnest walls first."""
+    n = inside.shape[0]
+    ends = [(i0, i1) for i0 in range(1, n - 1) for i1 in range(i0 + 1, n)]
+    ends = [(i0, i1) for i0, i1 in ends if lines[0][i1] - lines[0][i0] <= wall_m]
+    ends.sort(key=lambda pair: (lines[0][pair[1]] - lines[0][pair[0]], pair))
+    for i0, i1 in ends:
+        through = inside[i0:i1].all(axis=0)
+        some = np.pad(inside[i0:i1].any(axis=0), 1)
+        steps = np.diff(np.pad(through.astype(int), 1))
+        for j0, j1 in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
+            flanked = not some[j0] and not some[j1 + 1]
+            joins = inside[i0 - 1, j0:j1].any() and inside[i1, j0:j1].any()
+            if flanked and joins and lines[1][j1] - lines[1][j0] <= door_m:
+                yield slice(i0, i1), slice(int(j0), int(j1))
