@@ -11,11 +11,15 @@ from indoorfit.discover.labelling import LabelConfig, label_cells
 SEEN_M2 = 100.0
 
 
+def evidence_of(ceiling: np.ndarray, floor: np.ndarray, walls: tuple[np.ndarray, np.ndarray]) -> Evidence:
+    """All at one height; the labelling does not look at lintels."""
+    return Evidence(ceiling, floor, np.full(ceiling.shape, 2.5), walls, walls)
+
+
 def random_evidence(nx: int, ny: int, rng: np.random.Generator) -> Evidence:
-    return Evidence(
+    return evidence_of(
         ceiling=rng.uniform(0, 1, (nx, ny)),
         floor=rng.uniform(0, 1, (nx, ny)),
-        top_m=np.full((nx, ny), 2.5),
         walls=(rng.uniform(0, 1, (nx + 1, ny)), rng.uniform(0, 1, (nx, ny + 1))),
     )
 
@@ -26,12 +30,17 @@ def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) ->
     def odds(share: float, true: float, false: float) -> float:
         return share * np.log(true / false) + (1 - share) * np.log((1 - true) / (1 - false))
 
-    dx, dy = (np.diff(lines) / config.patch_m for lines in grid)
+    def gain_of(share: float, true: float, false: float, area_m2: float) -> float:
+        seen, unseen = odds(1.0, true, false), odds(0.0, true, false)
+        return area_m2 * (share * seen / config.patch_m**2 + (1 - share) * unseen / config.unseen_m**2)
+
+    sizes_m = [np.diff(lines) for lines in grid]
+    dx, dy = (size_m / config.patch_m for size_m in sizes_m)
     total = 0.0
     for i, j in np.argwhere(inside):
-        gain = odds(evidence.ceiling[i, j], config.ceiling_inside, config.ceiling_outside)
-        gain += odds(evidence.floor[i, j], config.floor_inside, config.floor_outside)
-        total -= gain * dx[i] * dy[j]
+        area_m2 = sizes_m[0][i] * sizes_m[1][j]
+        total -= gain_of(evidence.ceiling[i, j], config.ceiling_inside, config.ceiling_outside, area_m2)
+        total -= gain_of(evidence.floor[i, j], config.floor_inside, config.floor_outside, area_m2)
     padded = np.pad(inside, 1)
     for axis, widths in ((0, dy), (1, dx)):
         border = np.diff(padded.astype(int), axis=axis) != 0
@@ -60,10 +69,9 @@ def test_no_other_labelling_has_a_lower_energy(seed):
 
 
 def test_a_room_that_is_seen_in_full_is_inside_and_the_rest_is_not():
-    evidence = Evidence(
+    evidence = evidence_of(
         ceiling=np.array([[0.0], [1.0], [0.0]]),
         floor=np.array([[0.0], [1.0], [0.0]]),
-        top_m=np.full((3, 1), 2.5),
         walls=(np.array([[0.0], [1.0], [1.0], [0.0]]), np.array([[0.0, 0.0], [1.0, 1.0], [0.0, 0.0]])),
     )
     grid = (np.array([0.0, 2.0, 6.0, 8.0]), np.array([0.0, 4.0]))
@@ -73,10 +81,9 @@ def test_a_room_that_is_seen_in_full_is_inside_and_the_rest_is_not():
 
 
 def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
-    evidence = Evidence(
+    evidence = evidence_of(
         ceiling=np.zeros((2, 1)),
         floor=np.array([[0.9], [0.0]]),
-        top_m=np.full((2, 1), 2.5),
         walls=(np.array([[1.0], [1.0], [0.0]]), np.array([[1.0, 1.0], [0.0, 0.0]])),
     )
     grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 4.0]))

@@ -10,6 +10,10 @@ from .surfaces import Surfaces
 
 _BAND_M = 0.5
 """The band under the ceiling that separates walls from furniture: above doors (2.1 m of 2.6 m)."""
+_UNDER_M = 0.25
+"""Of a door of 2.1 m in a room of 2.4 m, the lintel fills this stretch below the ceiling."""
+_LINTEL_M = 0.15
+"""What hangs lower than this is at another level than the ceiling: a lintel is higher, drift is less."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +26,8 @@ class Evidence:
     """Height of the ceiling over each cell; the main level where none was seen."""
     walls: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
     """Wall seen on the borders of constant x and of constant y; the outermost borders included."""
+    lintels: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
+    """The same for the last stretch below the higher of the two ceilings: there a door has a lintel."""
 
 
 def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
@@ -32,11 +38,27 @@ def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
         lines: candidates along x and along y, at least two each.
     """
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    ceiling = _cell_coverage(surfaces.ceiling_m, grid, surfaces)
     floor = _cell_coverage(surfaces.floor_m, grid, surfaces)
+    ceiling = _roofed(surfaces, grid, floor)
     top_m = _tops(surfaces, grid)
     across_x, across_y = (_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
-    return Evidence(ceiling, floor, top_m, (across_x, across_y))
+    return Evidence(ceiling, floor, top_m, (across_x[0], across_y[0]), (across_x[1], across_y[1]))
+
+
+def _roofed(
+    surfaces: Surfaces,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    floor: Float[np.ndarray, "nx ny"],
+) -> Float[np.ndarray, "nx ny"]:
+    """Share of each cell under a ceiling.
+
+    At another level than the main one, a surface overhead is a ceiling only as far as there is floor below:
+    without, it is the head of a window or the top of a cupboard.
+    """
+    main = np.abs(surfaces.ceiling_m[:, 2] - surfaces.ceiling_height_m) < _LINTEL_M
+    share = _cell_coverage(surfaces.ceiling_m[main], grid, surfaces)
+    whole = _cell_coverage(surfaces.ceiling_m, grid, surfaces)
+    return np.maximum(share, np.minimum(whole, floor))
 
 
 def _cell_coverage(
@@ -96,8 +118,8 @@ def _border_coverage(
     axis: int,
     ceiling: Float[np.ndarray, "nx ny"],
     top_m: Float[np.ndarray, "nx ny"],
-) -> np.ndarray:
-    """Share of each border that shows wall up to the local ceiling; borders of constant `axis`."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Shares of each border that show wall, and lintel; borders of constant `axis`."""
     across, along = lines[axis], lines[1 - axis]
     wall_m = surfaces.walls_m[axis]
     on_line = across.surfel_line
@@ -107,17 +129,19 @@ def _border_coverage(
     n_lines, n_along = len(across.offsets_m), len(along.offsets_m) - 1
     valid = (on_line >= 0) & (cell >= 0) & (cell < n_along)
     on_line, cell, wall_m = on_line[valid], cell[valid], wall_m[valid]
-    tops_m = _border_tops(np.moveaxis(ceiling, axis, 0), np.moveaxis(top_m, axis, 0))
-    coverage = np.zeros((n_lines, n_along))
+    low_m, high_m = _border_tops(np.moveaxis(ceiling, axis, 0), np.moveaxis(top_m, axis, 0))
+    walls, lintels = np.zeros((n_lines, n_along)), np.zeros((n_lines, n_along))
     border = on_line * n_along + cell
     order = np.argsort(border, kind="stable")
     starts = np.searchsorted(border[order], np.arange(n_lines * n_along + 1))
     for k in np.flatnonzero(np.diff(starts)):
-        members = wall_m[order[starts[k] : starts[k + 1]]]
+        members = wall_m[order[starts[k] : starts[k + 1]]][:, [1 - axis, 2]]
         line, c = divmod(int(k), n_along)
         ends_m = (along.offsets_m[c], along.offsets_m[c + 1])
-        coverage[line, c] = _wall_share(members[:, [1 - axis, 2]], ends_m, tops_m[line, c], surfaces)
-    return np.moveaxis(coverage, 0, axis)
+        walls[line, c] = _wall_share(members, ends_m, low_m[line, c], surfaces)
+        under_m = (high_m[line, c] - _UNDER_M, high_m[line, c])
+        lintels[line, c] = _band_share(members, ends_m, under_m, surfaces)
+    return np.moveaxis(walls, 0, axis), np.moveaxis(lintels, 0, axis)
 
 
 def _near_lines(
@@ -133,34 +157,43 @@ def _near_lines(
 
 def _border_tops(
     ceiling: Float[np.ndarray, "n m"], top_m: Float[np.ndarray, "n m"]
-) -> Float[np.ndarray, "n1 m"]:
-    """Ceiling height at each border: the lower one of two seen ceilings, else the one that was seen.
+) -> tuple[Float[np.ndarray, "n1 m"], Float[np.ndarray, "n1 m"]]:
+    """Ceiling heights at each border: of two seen ceilings the lower and the higher, else the seen one.
 
     Above the lower ceiling a face is the riser of a ceiling step, not a wall between the two cells.
     """
-    seen = np.where(ceiling > 0.3, top_m, np.inf)
-    padded = np.pad(seen, ((1, 1), (0, 0)), constant_values=np.inf)
-    lower = np.minimum(padded[:-1], padded[1:])
-    return np.where(np.isfinite(lower), lower, np.max(top_m))
+    seen = ceiling > 0.3
+    found = []
+    for nothing, choose in ((np.inf, np.minimum), (-np.inf, np.maximum)):
+        padded = np.pad(np.where(seen, top_m, nothing), ((1, 1), (0, 0)), constant_values=nothing)
+        chosen = choose(padded[:-1], padded[1:])
+        found.append(np.where(np.isfinite(chosen), chosen, np.max(top_m)))
+    return found[0], found[1]
 
 
 def _wall_share(
     points_m: Float[np.ndarray, "points 2"], ends_m: tuple[float, float], top_m: float, surfaces: Surfaces
 ) -> float:
     """Share of the border's length with wall, the band under the ceiling counting more than the rest."""
-    length_m = ends_m[1] - ends_m[0]
+    band_m, rest_m = (top_m - _BAND_M, top_m), (surfaces.floor_height_m, top_m - _BAND_M)
+    band, rest = (_band_share(points_m, ends_m, z_m, surfaces) for z_m in (band_m, rest_m))
+    return 0.6 * band + 0.4 * rest
+
+
+def _band_share(
+    points_m: Float[np.ndarray, "points 2"],
+    ends_m: tuple[float, float],
+    z_m: tuple[float, float],
+    surfaces: Surfaces,
+) -> float:
+    """Share of the pixels of an upright rectangle with a surfel."""
+    length_m, low_m, high_m = ends_m[1] - ends_m[0], *z_m
     # Thin borders get tall pixels of the same area, as thin cells do.
     n_columns = max(1, int(length_m / surfaces.pixel_m))
     step_m = surfaces.pixel_m**2 / (length_m / n_columns)
     column = np.clip(((points_m[:, 0] - ends_m[0]) / length_m * n_columns).astype(int), 0, n_columns - 1)
-    share = 0.0
-    for low_m, high_m, weight in (
-        (top_m - _BAND_M, top_m, 0.6),
-        (surfaces.floor_height_m, top_m - _BAND_M, 0.4),
-    ):
-        n_rows = max(1, int((high_m - low_m) / step_m))
-        inside = (points_m[:, 1] > low_m) & (points_m[:, 1] < high_m)
-        row = ((points_m[inside, 1] - low_m) / (high_m - low_m) * n_rows).astype(int)
-        seen: Int[np.ndarray, " pixels"] = np.unique(column[inside] * n_rows + row)
-        share += weight * len(seen) / (n_columns * n_rows)
-    return share
+    n_rows = max(1, int((high_m - low_m) / step_m))
+    inside = (points_m[:, 1] > low_m) & (points_m[:, 1] < high_m)
+    row = ((points_m[inside, 1] - low_m) / (high_m - low_m) * n_rows).astype(int)
+    seen: Int[np.ndarray, " pixels"] = np.unique(column[inside] * n_rows + row)
+    return len(seen) / (n_columns * n_rows)

@@ -19,10 +19,9 @@ class LabelConfig:
     patch_m: float = 0.3
     """Evidence is counted once per square of this side (once per this length of wall): what hides a
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
-    unseen_m: float = 1.0
-    """What was not seen of floor and ceiling is counted once per square of this side: a gap has one cause, a
-    place where the path never looked or that stood in the shadow of a wall, and is as large as a view (a
-    depth camera sees 2 m of a surface 2 m away, half of it in no other view)."""
+    unseen_m: float = 0.5
+    """What was not seen of floor and ceiling is counted once per square of this side: a shadow of a
+    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05

@@ -10,12 +10,42 @@ from .evidence import Evidence
 
 
 def open_borders(
-    inside: Bool[np.ndarray, "nx ny"], evidence: Evidence, partition_share: float
+    inside: Bool[np.ndarray, "nx ny"],
+    evidence: Evidence,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    partition_share: float,
+    door_m: float,
 ) -> tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]]:
-    """Borders between two inside cells on which less wall was seen than a partition shows."""
-    open_x = evidence.walls[0][1:-1] < partition_share
-    open_y = evidence.walls[1][:, 1:-1] < partition_share
-    return inside[1:] & inside[:-1] & open_x, inside[:, 1:] & inside[:, :-1] & open_y
+    """Borders between two inside cells that are neither partition nor door.
+
+    Args:
+        inside: labels of cells.
+        evidence: shares seen.
+        grid: candidate lines, metres.
+        partition_share: least share of wall on a partition, of lintel over a door.
+        door_m: clear width up to which an opening with a lintel is a door; a wider one is under a beam.
+    """
+    open_x = inside[1:] & inside[:-1] & (evidence.walls[0][1:-1] < partition_share)
+    open_y = inside[:, 1:] & inside[:, :-1] & (evidence.walls[1][:, 1:-1] < partition_share)
+    _shut_doors(open_x, evidence.lintels[0][1:-1], grid[1], partition_share, door_m)
+    _shut_doors(open_y.T, evidence.lintels[1][:, 1:-1].T, grid[0], partition_share, door_m)
+    return open_x, open_y
+
+
+def _shut_doors(
+    links: Bool[np.ndarray, "lines cells"],
+    lintels: Float[np.ndarray, "lines cells"],
+    along_m: Float[np.ndarray, " cells1"],
+    share: float,
+    door_m: float,
+) -> None:
+    """Take away, in place, the links under a lintel."""
+    for links_of_line, seen in zip(links, lintels, strict=True):
+        steps = np.diff(np.pad(links_of_line.astype(int), 1))
+        for start, end in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
+            widths_m = np.diff(along_m[start : end + 1])
+            if widths_m.sum() <= door_m and np.average(seen[start:end], weights=widths_m) >= share:
+                links_of_line[start:end] = False
 
 
 def pieces_of(

@@ -46,9 +46,10 @@ def split_rooms(
     Raises:
         InputError: nothing of the size of a room.
     """
-    links = open_borders(inside, evidence, config.partition_share)
+    links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
     inside = close_passages(inside, links, grid, config.door_m, config.wall_m, config.min_area_m2)
-    labels = pieces_of(inside, open_borders(inside, evidence, config.partition_share))
+    links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
+    labels = pieces_of(inside, links)
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
     pieces = [labels == k for k in range(1, int(labels.max()) + 1)]
     pieces.sort(key=lambda mask: -areas[mask].sum())

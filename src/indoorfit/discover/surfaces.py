@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from indoorfit.errors import InputError
 from indoorfit.model import FaceClass, Segments, Surfels
@@ -39,6 +39,8 @@ tenth itself another quarter; a cupboard stands a metre below."""
 _FLOOR_GAP_M = 0.3
 """A floor lies this near the lowest tenth of the walls, or it is a table: of a wall of 2.5 m the lowest
 tenth ends at 0.25 m, a table stands at 0.75 m."""
+_BESIDE_M = 0.3
+"""Walls stand at the edge of floor and ceiling, or this far beyond where it was not seen."""
 
 
 def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass | None, ...]) -> Surfaces:
@@ -55,9 +57,11 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
         raise InputError(
             "discover: no upright surfaces; a room needs walls. Fix: check --up, or scan the walls as well."
         )
-    # Reflections and what lies outside the windows reach below the floor: hence the tenth percentile.
-    foot_m, top_m = np.percentile(heights_m, [10, 99])
     floor_height_m = _main_level(floor_m[:, 2]) if len(floor_m) else np.inf
+    indoors = _within(np.concatenate(walls), np.concatenate([floor_m, ceiling_m]))
+    heights_m = heights_m[indoors] if np.any(indoors) else heights_m
+    # Reflections reach below the floor: hence the tenth percentile.
+    foot_m, top_m = np.percentile(heights_m, [10, 99])
     if floor_height_m > foot_m + _FLOOR_GAP_M:
         lowest = f" (the lowest level surface is {floor_height_m - foot_m:.2f} m above it)"
         raise InputError(
@@ -84,6 +88,15 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
 
 
 _KINDS = {None: -1, "left": 0, "right": 0, "back": 1, "front": 1, "floor": 2, "ceiling": 3}
+
+
+def _within(points_m: Float[np.ndarray, "n 3"], level_m: Float[np.ndarray, "m 3"]) -> Bool[np.ndarray, " n"]:
+    """Points in the plan of level surfaces, but for their outermost hundredth: not houses over the street."""
+    if len(level_m) == 0:
+        return np.ones(len(points_m), bool)
+    low_m, high_m = np.percentile(level_m[:, :2], [1, 99], axis=0)
+    xy_m = points_m[:, :2]
+    return np.all((xy_m >= low_m - _BESIDE_M) & (xy_m <= high_m + _BESIDE_M), axis=1)
 
 
 def _main_level(heights_m: Float[np.ndarray, " n"]) -> float:
