@@ -30,3 +30,9 @@ from .segments import Segments as Segments
 from .segments import Surfels as Surfels
 from .solid import Polygon as Polygon
 from .solid import RoomSolid as RoomSolid
+from .texture import FaceTexture as FaceTexture
+from .texture import ImageFormat as ImageFormat
+from .texture import TextureImage as TextureImage
+from .texture import TexturePlacement as TexturePlacement
+from .texture import TextureSet as TextureSet
+from .texture import TextureSource as TextureSource
