@@ -4,7 +4,6 @@ from .dimensions import write_dimensions_csv as write_dimensions_csv
 from .files import replace_file as replace_file
 from .glb import T_scan_gltf as T_scan_gltf
 from .glb import write_glb as write_glb
-from .images import TEXTURE_FOLDER as TEXTURE_FOLDER
 from .images import image_of as image_of
 from .images import placement_of as placement_of
 from .images import textured_name as textured_name

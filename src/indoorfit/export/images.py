@@ -3,13 +3,10 @@
 from pathlib import Path
 
 from indoorfit.errors import OutputError
-from indoorfit.model import Face, FitResult, TextureImage, TexturePlacement
+from indoorfit.model import TEXTURE_FOLDER, Face, FitResult, TextureImage, TexturePlacement
 
 from .files import replace_file
 from .palette import material_name
-
-TEXTURE_FOLDER = "textures"
-"""Folder of the images, beside the model files; these name it with a forward slash."""
 
 
 def write_images(folder: Path, result: FitResult) -> None:

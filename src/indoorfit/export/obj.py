@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from indoorfit.model import Face, FitResult, RoomMesh
+from indoorfit.model import TEXTURE_FOLDER, Face, FitResult, RoomMesh
 
 from .files import replace_file
-from .images import TEXTURE_FOLDER, image_of, placement_of, textured_name
+from .images import image_of, placement_of, textured_name
 from .palette import face_colour
 
 

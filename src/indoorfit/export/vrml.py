@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from indoorfit.model import FitResult
+from indoorfit.model import TEXTURE_FOLDER, FitResult
 
 from .files import replace_file
-from .images import TEXTURE_FOLDER, image_of, placement_of
+from .images import image_of, placement_of
 from .numbers import quantity_text
 from .palette import face_colour, material_name
 from .parts import FacePart, face_parts

@@ -12,6 +12,9 @@ TextureSource = Literal["points", "images", "photo"]
 
 ImageFormat = Literal["png", "jpeg", "webp"]
 
+TEXTURE_FOLDER = "textures"
+"""Folder of the images, beside ``model.json`` and the model files; these name it with a forward slash."""
+
 
 @dataclass(frozen=True)
 class FaceTexture:
