@@ -58,7 +58,8 @@ def to_document(result: FitResult) -> dict[str, Any]:
         "planes": [_plane(plane) for plane in result.shape.planes],
         "faces": [_face(face) for face in result.faces],
         "dimensions": [_dimension(dimension) for dimension in result.dimensions],
-        "textures": None if result.textures is None else _textures(result.textures),
+        # Left out where there are none, as in documents from before there were textures.
+        **({} if result.textures is None else {"textures": _textures(result.textures)}),
         "noise": _plain(result.noise, "noise"),
         "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
         "provenance": _plain(result.provenance, "provenance"),

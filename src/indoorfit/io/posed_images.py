@@ -54,7 +54,7 @@ def read_posed_images(folder: str | Path) -> tuple[CameraImage, ...]:
         load = partial(_pixels, path, camera)
         images.append(CameraImage(name, camera, values[nearest, :3], rotation, load))
     if not images:
-        raise _wrong(folder / "rgb.txt", "no image with a pose within 20 ms", "at least one")
+        raise _wrong(poses, "no pose within 20 ms of an image in rgb.txt", "at least one")
     return tuple(images)
 
 

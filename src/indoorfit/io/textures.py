@@ -32,7 +32,7 @@ def read_textures(root: JsonNode, folder: Path, face_ids: tuple[str, ...]) -> Te
     Raises:
         InputError: the entry is wrong.
     """
-    if not isinstance(root.value, dict) or root.value.get("textures") is None:
+    if not isinstance(root.value, dict) or "textures" not in root.value:
         return None
     node = root["textures"]
     images = []

@@ -65,7 +65,9 @@ def texture_from_images(
     for canvas, colouring, chosen in zip(canvases, found, claimed, strict=True):
         if scan.colours is not None and len(chosen):
             x_m, y_m = canvas.coordinates_m(points_m[chosen], base_m)
-            below = colour_from_points(canvas, canvas.mask(), x_m, y_m, scan.colours[chosen])
+            below = colour_from_points(
+                canvas, canvas.mask(), x_m, y_m, scan.colours[chosen], wanted=~colouring.known
+            )
             colouring = _over(colouring, below)
         if colouring.known.any():
             textures.append(finished(canvas, colouring, "images", config))

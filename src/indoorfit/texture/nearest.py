@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 from scipy import ndimage
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .canvas import Canvas
 
@@ -34,6 +34,7 @@ def colour_from_points(
     x_m: Float[np.ndarray, " points"],
     y_m: Float[np.ndarray, " points"],
     colours: UInt8[np.ndarray, "points 3"],
+    wanted: Bool[np.ndarray, "rows columns"] | None = None,
 ) -> Colouring:
     """The mean colour of the three nearest points for every pixel that has points around it.
 
@@ -43,6 +44,7 @@ def colour_from_points(
         x_m: the face's points, along `canvas.right`.
         y_m: the same along `canvas.down`.
         colours: of these points.
+        wanted: the pixels to colour; None for all of the face.
     """
     out = np.zeros((*mask.shape, 3), np.float32)
     known = np.zeros_like(mask)
@@ -53,9 +55,9 @@ def colour_from_points(
     # Points in the order of the pixels: neighbours in space are then neighbours in memory.
     order = np.argsort(row * canvas.columns + column, kind="stable")
     places = np.stack([x_m[order], y_m[order]], axis=1)
-    tree = cKDTree(places, compact_nodes=False, balanced_tree=False)
+    tree = KDTree(places, compact_nodes=False, balanced_tree=False)
     centre_x, centre_y = canvas.centres_m()
-    r, c = np.nonzero(mask)
+    r, c = np.nonzero(mask if wanted is None else mask & wanted)
     widest_m = _SPACINGS * float(spacing_m.max(initial=0.0)) + canvas.pixel_m
     query = np.stack([centre_x[c], centre_y[r]], axis=1)
     distance_m, index = tree.query(query, NEIGHBOURS, distance_upper_bound=4.0 * widest_m, workers=_THREADS)
