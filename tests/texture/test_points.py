@@ -189,3 +189,18 @@ def test_equal_runs_give_equal_bytes(box):
     result, scan = box
     sets = [pack(texture_from_points(result, scan, COARSE), COARSE) for _ in range(2)]
     assert sets[0].images == sets[1].images
+
+
+def test_sparse_points_look_the_same_at_any_pixel_size(box):
+    """Blocks of pixels that share their neighbours hardly change what is seen."""
+    result, scan = box
+    few = replace(scan, points_m=scan.points_m[::40], colours=scan.colours[::40])
+    fine, finer = (
+        next(t for t in texture_from_points(result, few, TextureConfig(pixel_m=size)) if t.face == "wall-1")
+        for size in (0.03, 0.01)
+    )
+    # The middle of every third pixel is that of a larger one.
+    middle = finer.rgba[1::3, 1::3][: fine.rgba.shape[0], : fine.rgba.shape[1]]
+    other = (middle != fine.rgba[: middle.shape[0], : middle.shape[1]]).any(axis=2)
+    # Points are 14 cm apart, middles of blocks at most 1.4 cm from those of their pixels: a tenth.
+    assert other.mean() < 0.1

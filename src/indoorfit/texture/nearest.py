@@ -15,6 +15,10 @@ NEIGHBOURS = 3
 _SPACINGS = 2.0
 """A pixel without a point within two spacings is a gap: at an even density one in 300 000 is."""
 
+_BLOCK = 0.25
+"""Side of the blocks that share their neighbours, in spacings of the points: their rims are an eighth of a
+spacing from the middle."""
+
 _THREADS = 2
 """For the neighbour search; the result does not depend on it."""
 
@@ -38,6 +42,9 @@ def colour_from_points(
 ) -> Colouring:
     """The mean colour of the three nearest points for every pixel that has points around it.
 
+    Where even the densest part of a face has its points more than eight pixels apart, blocks of pixels share
+    the neighbours of their middle: a tenth of the work for what no eye can tell.
+
     Args:
         canvas: of the face.
         mask: its pixels.
@@ -56,19 +63,33 @@ def colour_from_points(
     order = np.argsort(row * canvas.columns + column, kind="stable")
     places = np.stack([x_m[order], y_m[order]], axis=1)
     tree = KDTree(places, compact_nodes=False, balanced_tree=False)
-    centre_x, centre_y = canvas.centres_m()
-    r, c = np.nonzero(mask if wanted is None else mask & wanted)
+    wanted = mask if wanted is None else mask & wanted
+    block = max(1, int(_BLOCK * np.quantile(spacing_m[row, column], 0.1) / canvas.pixel_m))
+    r, c = np.nonzero(_blocks(wanted, block))
     widest_m = _SPACINGS * float(spacing_m.max(initial=0.0)) + canvas.pixel_m
-    query = np.stack([centre_x[c], centre_y[r]], axis=1)
+    query = (np.stack([c, r], axis=1) + 0.5) * (block * canvas.pixel_m)
     distance_m, index = tree.query(query, NEIGHBOURS, distance_upper_bound=4.0 * widest_m, workers=_THREADS)
     nearest = np.minimum(index[:, 0], len(places) - 1)
     local_m = spacing_m[row[order][nearest], column[order][nearest]]
     seen = distance_m[:, 0] <= np.maximum(_SPACINGS * local_m, canvas.pixel_m)
     seen &= np.isfinite(distance_m[:, -1])
     mean = colours[order][index[seen]].mean(axis=1, dtype=np.float32)
-    out[r[seen], c[seen]] = mean
-    known[r[seen], c[seen]] = True
+    for i in range(block):
+        for j in range(block):
+            at_r, at_c = r[seen] * block + i, c[seen] * block + j
+            on = np.flatnonzero((at_r < canvas.rows) & (at_c < canvas.columns))
+            out[at_r[on], at_c[on]] = mean[on]
+            known[at_r[on], at_c[on]] = True
+    known &= wanted
+    out[~known] = 0.0
     return Colouring(out.astype(float), known)
+
+
+def _blocks(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "r c"]:
+    """Which squares of pixels hold one of the mask."""
+    rows, columns = mask.shape
+    padded = np.pad(mask, ((0, -rows % side), (0, -columns % side)))
+    return padded.reshape(-(-rows // side), side, -(-columns // side), side).any(axis=(1, 3))
 
 
 def _pixel(place_m: Float[np.ndarray, " points"], pixel_m: float, n: int) -> Int[np.ndarray, " points"]:
