@@ -202,3 +202,19 @@ def test_file_names_are_safe_and_different(tmp_path):
     names = [image.name for image in pack(textures, TextureConfig()).images]
     assert len({name.lower() for name in names}) == len(odd)
     assert all(re.fullmatch(r"[A-Za-z0-9_-]+\.png", name) for name in names)
+
+
+def test_images_are_upright_and_not_mirrored_as_seen_from_inside(plans):
+    """Who looks at a face from within the room sees the image's right on the right, its bottom below."""
+    result = textured(plans, STYLES["single"])
+    for face in result.faces:
+        placement = result.textures.placements[face.id]
+        right = placement.u_per_m / np.linalg.norm(placement.u_per_m)
+        up = placement.v_per_m / np.linalg.norm(placement.v_per_m)
+        # Right, up and towards the observer are a right-handed triple; 1e-9 for coordinates of 5e6 m.
+        np.testing.assert_allclose(np.cross(right, up), face.normal, rtol=0.0, atol=1e-8)
+        x, y, z = result.frame.R_manhattan_scan
+        wanted = {"wall": z, "floor": y, "ceiling": -y}[face.kind]
+        np.testing.assert_allclose(up, wanted, rtol=0.0, atol=1e-8)
+        if face.kind != "wall":
+            np.testing.assert_allclose(right, x, rtol=0.0, atol=1e-8)

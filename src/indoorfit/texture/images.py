@@ -1,10 +1,10 @@
 """Textures from posed camera images (thesis 7.3, the last recommendation)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from indoorfit.model import CameraImage, FaceTexture, FitResult, Scan
 
@@ -158,7 +158,7 @@ def _sightings(
     masks: Sequence[Bool[np.ndarray, "_ _"]],
     around: _Surroundings,
     config: TextureConfig,
-):
+) -> Iterator[tuple[int, Sighting, Int[np.ndarray, " n"]]]:
     """Face, sighting and flat pixel numbers, for every face that the view shows."""
     for window in windows(view, planes, around.base_m):
         canvas = planes.canvases[window.face]
