@@ -202,5 +202,6 @@ def test_sparse_points_look_the_same_at_any_pixel_size(box):
     # The middle of every third pixel is that of a larger one.
     middle = finer.rgba[1::3, 1::3][: fine.rgba.shape[0], : fine.rgba.shape[1]]
     other = (middle != fine.rgba[: middle.shape[0], : middle.shape[1]]).any(axis=2)
-    # Points are 14 cm apart, middles of blocks at most 1.4 cm from those of their pixels: a tenth.
-    assert other.mean() < 0.1
+    # Sets of three neighbours change every 6 cm or so (five Voronoi cells of order 3 a point, points 14 cm
+    # apart), and the middles of blocks are at most 1.4 cm from those of their pixels: a quarter at most.
+    assert other.mean() < 0.25

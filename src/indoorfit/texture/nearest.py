@@ -68,7 +68,8 @@ def colour_from_points(
     r, c = np.nonzero(_blocks(wanted, block))
     widest_m = _SPACINGS * float(spacing_m.max(initial=0.0)) + canvas.pixel_m
     query = (np.stack([c, r], axis=1) + 0.5) * (block * canvas.pixel_m)
-    distance_m, index = tree.query(query, NEIGHBOURS, distance_upper_bound=4.0 * widest_m, workers=_THREADS)
+    found = tree.query(query, NEIGHBOURS, distance_upper_bound=4.0 * widest_m, workers=_THREADS)
+    distance_m, index = np.asarray(found[0]), np.asarray(found[1])
     nearest = np.minimum(index[:, 0], len(places) - 1)
     local_m = spacing_m[row[order][nearest], column[order][nearest]]
     seen = distance_m[:, 0] <= np.maximum(_SPACINGS * local_m, canvas.pixel_m)
@@ -89,7 +90,8 @@ def _blocks(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarra
     """Which squares of pixels hold one of the mask."""
     rows, columns = mask.shape
     padded = np.pad(mask, ((0, -rows % side), (0, -columns % side)))
-    return padded.reshape(-(-rows // side), side, -(-columns // side), side).any(axis=(1, 3))
+    squares = padded.reshape(-(-rows // side), side, -(-columns // side), side)
+    return np.asarray(squares.any(axis=(1, 3)))
 
 
 def _pixel(place_m: Float[np.ndarray, " points"], pixel_m: float, n: int) -> Int[np.ndarray, " points"]:
