@@ -17,6 +17,7 @@ from indoorfit.fitting import BeliefConfig
 from indoorfit.model import Face, FitResult, Frame, Scan
 from indoorfit.pipeline import fit_scan, truth_result
 from indoorfit.simulate import VirtualScan
+from indoorfit.texture import TextureConfig
 
 _N_DOTS = 5000
 _SEEN_CELL_M = 0.10
@@ -87,7 +88,9 @@ def _without_truth(job: Job) -> Outcome:
 def _fit(scan: Scan, job: Job, level: float) -> _Run:
     # Frames are used only where they are asked for; without ids in the scan there is nothing to use.
     belief = BeliefConfig(use_frames=job.frame_ids)
-    config = RunConfig(method=job.method, level=level, belief=belief)  # type: ignore[arg-type]
+    # Colours change no length; benchmarks.textures judges them.
+    bare = TextureConfig(enabled=False)
+    config = RunConfig(method=job.method, level=level, belief=belief, texture=bare)  # type: ignore[arg-type]
     result, fault, crashed = None, "", False
     _forget_peak()
     cpu, wall = time.process_time(), time.perf_counter()

@@ -7,7 +7,7 @@ import numpy as np
 
 from indoorfit.config import RunConfig
 from indoorfit.io import read_scan, scan_from_arrays
-from indoorfit.model import Dimension, Face, FitResult, Note, Room, Scan
+from indoorfit.model import Dimension, Face, FitResult, Note, Pictures, Room, Scan
 from indoorfit.pipeline import fit_scan, write_outputs
 from indoorfit.report import dimension_table, plan_svg
 
@@ -55,19 +55,22 @@ class RoomModel:
         return plan_svg(self.result, self.scan.points_m)
 
 
-def fit(scan: Scan | np.ndarray, config: RunConfig | None = None) -> RoomModel:
+def fit(
+    scan: Scan | np.ndarray, config: RunConfig | None = None, pictures: Pictures | None = None
+) -> RoomModel:
     """Turn a scan into a watertight model whose dimensions carry intervals.
 
     Args:
         scan: from `indoorfit.read`, or an array (n, 3) of metres.
         config: settings; see `RunConfig`.
+        pictures: camera images and photos to put on the faces; see `indoorfit.io.read_posed_images`.
 
     Raises:
         InputError: the cloud cannot be a room; the message says why and what to do.
     """
     if not isinstance(scan, Scan):
         scan = scan_from_arrays(scan)
-    return RoomModel(fit_scan(scan, config), scan)
+    return RoomModel(fit_scan(scan, config, pictures or Pictures()), scan)
 
 
 read = read_scan

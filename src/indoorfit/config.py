@@ -15,6 +15,7 @@ from indoorfit.errors import ConfigError
 from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
+from indoorfit.texture import TextureConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
 
 
@@ -37,6 +38,7 @@ class RunConfig:
     greedy: GreedyConfig = field(default_factory=GreedyConfig)
     joint: JointConfig = field(default_factory=JointConfig)
     belief: BeliefConfig = field(default_factory=BeliefConfig)
+    texture: TextureConfig = field(default_factory=TextureConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:

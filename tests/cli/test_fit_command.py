@@ -6,6 +6,7 @@ from dataclasses import replace
 import jsonschema
 import numpy as np
 import pytest
+from PIL import Image
 
 from indoorfit import pipeline
 from indoorfit.io import SCHEMA_PATH, write_ply
@@ -24,6 +25,68 @@ def test_a_fit_writes_its_directory_and_prints_the_table(run_cli, room_ply, tmp_
         assert f"{dimension['value']:.2f}" in outcome.out
     assert "floor area" in outcome.out
     assert "thin" in outcome.err, "progress goes to standard error"
+
+
+def test_the_options_of_textures_reach_the_files(run_cli, room_ply, tmp_path):
+    picture = tmp_path / "p.png"
+    Image.new("RGB", (40, 30), (9, 200, 30)).save(picture)
+    out = tmp_path / "out"
+    outcome = run_cli(
+        "fit", room_ply, "--out", out, "--atlas", "--image-format", "jpeg", "--power-of-two", "--fill-gaps",
+        "--texture-pixel", "0.05", "--photo", f"wall-2={picture}:0,0,40,0,40,30,0,30",
+        "--photo", f"floor-1={picture}:0,0,40,0,40,30,0,30",
+    )  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    assert [path.name for path in (out / "textures").iterdir()] == ["atlas-1.jpg"]
+    textures = json.loads((out / "model.json").read_text(encoding="utf-8"))["textures"]
+    sources = {face["face"]: face["source"] for face in textures["faces"]}
+    assert {face for face, source in sources.items() if source == "photo"} == {"wall-2", "floor-1"}
+    assert sources["wall-1"] == "points"
+    assert all(face["seen"] + face["filled"] == pytest.approx(1.0) for face in textures["faces"])
+    width = textures["images"][0]["width"]
+    assert width & (width - 1) == 0
+    assert "wall-1" in (out / "report.html").read_text(encoding="utf-8").split("<h2>Textures</h2>")[1]
+
+
+def test_no_textures_where_none_are_wanted_or_possible(run_cli, room_ply, xyz, tmp_path):
+    assert run_cli("fit", room_ply, "--out", tmp_path / "a", "--no-textures").code == 0
+    bare = xyz(virtual("box", 1, n_points=10_000).scan.points_m)
+    assert run_cli("fit", bare, "--out", tmp_path / "b").code == 0
+    for name in ("a", "b"):
+        assert not (tmp_path / name / "textures").exists()
+        assert "textures" not in json.loads((tmp_path / name / "model.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--photo", "wall-1=missing.png:0,0,1,0,1,1,0,1"),
+        ("--images", "missing"),
+        ("--photos", "missing.toml"),
+        ("--texture-pixel", "0"),
+        ("--no-textures", "--atlas"),
+    ],
+    ids=lambda options: options[0],
+)
+def test_wrong_texture_options_are_told_before_the_fit(run_cli, room_ply, tmp_path, options):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", *options)
+    assert outcome.code == 1
+    assert "Fix:" in outcome.err
+    assert "thin:" not in outcome.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_camera_images_of_the_simulator_are_put_on_the_faces(run_cli, tmp_path):
+    scan, images = tmp_path / "walk.ply", tmp_path / "images"
+    options = ("--sensor", "kinect_v1", "--frames", 30, "--pixel-step", 8, "--rgbd", images)
+    assert run_cli("simulate", "box", "-o", scan, *options).code == 0
+    outcome = run_cli("fit", scan, "--out", tmp_path / "out", "--images", images, "--texture-pixel", 0.05)
+    assert outcome.code == 0, outcome.err
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    observed = {face["id"] for face in document["faces"] if face["status"] == "observed"}
+    textured = document["textures"]["faces"]
+    assert {face["face"] for face in textured} >= observed
+    assert {face["source"] for face in textured} == {"images"}
 
 
 def test_json_is_the_only_thing_on_standard_output(run_cli, room_ply, tmp_path):

@@ -90,13 +90,17 @@ def test_writing_twice_gives_the_same_bytes(fitted, tmp_path):
 
 def test_an_earlier_result_is_kept_without_overwrite_and_replaced_with_it(written, fitted):
     out, result = written
-    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    before = files(out)
     with pytest.raises(OutputError, match="exists already"):
         write_outputs(result, out, fitted[0], overwrite=False)
-    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    assert files(out) == before
     write_outputs(replace(result, level=0.5), out, fitted[0], overwrite=True)
     assert json.loads((out / "model.json").read_text(encoding="utf-8"))["level"] == 0.5
     assert [path.name for path in out.parent.iterdir()] == ["out"]
+
+
+def files(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("broken", ["write_glb", "write_dimensions_csv", "plan_picture", "report_html"])

@@ -2,18 +2,19 @@
 
 import json
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
 from .runtime import set_up_logging
+from .texture_options import Textures
 
 
 @dataclass(frozen=True)
 class FitCommand:
-    """Fit a room to a scan and write model.json, GLB, VRML, OBJ, dimensions.csv, plan and report."""
+    """Fit a room to a scan and write model.json, GLB, VRML, OBJ, textures, dimensions, plan and report."""
 
     scan: tyro.conf.Positional[Path]
     """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
@@ -31,6 +32,7 @@ class FitCommand:
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
     seed: int | None = None
     """Seed of everything random; default 0."""
+    textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
     overwrite: bool = False
     """Replace an earlier result in the same directory."""
     json: bool = False
@@ -52,15 +54,18 @@ class FitCommand:
         config = replace(config, **{name: value for name, value in given.items() if value is not None})
         if self.up is not None:
             config = replace(config, orient=replace(config.orient, up=self.up))
+        config = replace(config, texture=self.textures.settings(config.texture))
+        pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)
-        return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)
+        return run_pipeline(scan, config, self.out, pictures, overwrite=self.overwrite, as_json=self.json)
 
 
-def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> int:
+def run_pipeline(scan, config, out: Path, pictures=None, *, overwrite: bool, as_json: bool) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
     import logging
 
     from indoorfit.io import to_document
+    from indoorfit.model import Pictures
     from indoorfit.pipeline import fit_scan, write_outputs
     from indoorfit.report import dimension_table
 
@@ -68,7 +73,7 @@ def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> 
     for note in scan.notes:
         # At once: the note on the unit is the likeliest reason for what goes wrong later.
         log.warning("%s: %s", note.code, note.message)
-    result = fit_scan(scan, config)
+    result = fit_scan(scan, config, pictures or Pictures())
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
     write_outputs(result, out, scan, overwrite=overwrite)

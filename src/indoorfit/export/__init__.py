@@ -4,6 +4,10 @@ from .dimensions import write_dimensions_csv as write_dimensions_csv
 from .files import replace_file as replace_file
 from .glb import T_scan_gltf as T_scan_gltf
 from .glb import write_glb as write_glb
+from .images import image_of as image_of
+from .images import placement_of as placement_of
+from .images import textured_name as textured_name
+from .images import write_images as write_images
 from .numbers import QuantityText as QuantityText
 from .numbers import half_width as half_width
 from .numbers import quantity_text as quantity_text

@@ -1,5 +1,6 @@
 """glTF 2.0 in one binary file."""
 
+from collections.abc import MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +10,17 @@ from jaxtyping import Float
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from indoorfit.model import Face, FitResult
+from indoorfit.model import Face, FitResult, TextureSet
 
 from .files import replace_file
-from .palette import face_colour, linear_rgb, material_name
+from .images import image_of, placement_of, textured_name
+from .palette import face_colour, linear_rgb
 from .parts import FacePart, face_parts
 
 _R_GLTF_MANHATTAN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """glTF is y up: Manhattan x, z, -y become x, y, z."""
+
+_WEBP = "EXT_texture_webp"
 
 
 def T_scan_gltf(result: FitResult) -> Float[np.ndarray, "4 4"]:
@@ -32,7 +36,8 @@ def write_glb(path: Path, result: FitResult) -> None:
 
     glTF holds float32, which has no room for map coordinates. So the vertices are in the Manhattan
     frame, turned y up, and ``asset.extras.T_scan_gltf`` leads back to the scan frame. Faces are
-    single-sided and look inward: a viewer that culls back faces shows a doll's house.
+    single-sided and look inward: a viewer that culls back faces shows a doll's house. Textures are in
+    the file; their alpha marks what was not seen and is not used for drawing (alphaMode OPAQUE).
 
     Raises:
         OutputError: the file cannot be written.
@@ -49,11 +54,19 @@ def write_glb(path: Path, result: FitResult) -> None:
                 parent_node_name=mesh.room,
             )
 
+    def embed(buffers: MutableMapping[Any, bytes], tree: dict[str, Any]) -> None:
+        if result.textures is not None:
+            _embed_images(buffers, tree, result.textures)
+
     def annotate(tree: dict[str, Any]) -> None:
         _annotate(tree, result)
 
     content = scene.export(
-        file_type="glb", include_normals=True, unitize_normals=True, tree_postprocessor=annotate
+        file_type="glb",
+        include_normals=True,
+        unitize_normals=True,
+        buffer_postprocessor=embed,
+        tree_postprocessor=annotate,
     )
     assert isinstance(content, bytes)
     replace_file(path, content)
@@ -63,13 +76,32 @@ def _face_mesh(result: FitResult, part: FacePart) -> trimesh.Trimesh:
     face = part.face
     vertices = result.frame.to_manhattan(part.vertices_m) @ _R_GLTF_MANHATTAN.T
     normal = _R_GLTF_MANHATTAN @ result.frame.R_manhattan_scan @ face.normal
+    placement = placement_of(result, face)
+    uv = None if placement is None else placement.uv(part.vertices_m)
     return trimesh.Trimesh(
         vertices=vertices,
         faces=part.triangles,
         vertex_normals=np.tile(normal, (len(vertices), 1)),
-        visual=TextureVisuals(material=PBRMaterial(name=material_name(face))),
+        visual=TextureVisuals(uv=uv, material=PBRMaterial(name=textured_name(result, face))),
         process=False,
     )
+
+
+def _embed_images(buffers: MutableMapping[Any, bytes], tree: dict[str, Any], textures: TextureSet) -> None:
+    """Put the files' own bytes into the buffer; handing pictures to trimesh would encode them again."""
+    # Edges repeat nothing and minified images are averaged: what every viewer can do.
+    tree["samplers"] = [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}]
+    for k, image in enumerate(textures.images):
+        key = f"image {image.name}"
+        # Views start at whole words; `_annotate` gives the view its exact length back.
+        buffers[key] = image.content + b"\0" * (-len(image.content) % 4)
+        view = list(buffers).index(key)
+        tree["images"].append({"name": image.name, "mimeType": image.media_type, "bufferView": view})
+        source: dict[str, Any] = {"source": k}
+        if image.format == "webp":
+            source = {"extensions": {_WEBP: source}}
+            tree["extensionsUsed"] = tree["extensionsRequired"] = [_WEBP]
+        tree["textures"].append({"sampler": 0, **source})
 
 
 def _annotate(tree: dict[str, Any], result: FitResult) -> None:
@@ -80,12 +112,17 @@ def _annotate(tree: dict[str, Any], result: FitResult) -> None:
         "note": "p_scan = T_scan_gltf @ (p_gltf, 1); matrix rows, float64; faces look into the room",
         "T_scan_gltf": T_scan_gltf(result).tolist(),
     }
-    faces: dict[str, Face] = {material_name(face): face for face in result.faces}
+    images = () if result.textures is None else result.textures.images
+    number = {image.name: k for k, image in enumerate(images)}
+    for image, entry in zip(images, tree.get("images", []), strict=True):
+        tree["bufferViews"][entry["bufferView"]]["byteLength"] = len(image.content)
+    faces: dict[str, Face] = {textured_name(result, face): face for face in result.faces}
     for material in tree.get("materials", []):
-        colour = linear_rgb(face_colour(faces[material["name"]]))
-        material["pbrMetallicRoughness"] = {
-            "baseColorFactor": [*colour, 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": 0.9,
-        }
+        face = faces[material["name"]]
+        image = image_of(result, face)
+        if image is None:
+            look: dict[str, Any] = {"baseColorFactor": [*linear_rgb(face_colour(face)), 1.0]}
+        else:
+            look = {"baseColorTexture": {"index": number[image.name]}}
+        material["pbrMetallicRoughness"] = {**look, "metallicFactor": 0.0, "roughnessFactor": 0.9}
         material["doubleSided"] = False

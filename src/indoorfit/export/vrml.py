@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from indoorfit.model import FitResult
+from indoorfit.model import TEXTURE_FOLDER, FitResult
 
 from .files import replace_file
+from .images import image_of, placement_of
 from .numbers import quantity_text
 from .palette import face_colour, material_name
 from .parts import FacePart, face_parts
@@ -22,7 +23,7 @@ def write_vrml(path: Path, result: FitResult) -> None:
     """Write the rooms as VRML97: one named Shape per face, looking inward, metres, scan frame.
 
     Viewers compute in float32, so the coordinates are relative to the frame's origin and one
-    Transform carries the offset with all its digits.
+    Transform carries the offset with all its digits. Textures are in the folder ``textures`` beside it.
 
     Raises:
         OutputError: the file cannot be written.
@@ -81,13 +82,22 @@ def _shape(result: FitResult, part: FacePart, defined: set[str]) -> Iterator[str
         colour = " ".join(f"{channel / 255.0:.6f}" for channel in face_colour(part.face))
         material = f"DEF colour_{name} Material {{ diffuseColor {colour} ambientIntensity 0.5 }}"
     points = part.vertices_m - result.frame.origin_scan_m
+    image, placement = image_of(result, part.face), placement_of(result, part.face)
+    texture = ""
+    if image is not None:
+        url = _string(f"{TEXTURE_FOLDER}/{image.name}")
+        texture = f" texture ImageTexture {{ url [ {url} ] repeatS FALSE repeatT FALSE }}"
     yield f"      DEF {_name(part.face.id)} Shape {{"
-    yield f"        appearance Appearance {{ material {material} }}"
+    yield f"        appearance Appearance {{ material {material}{texture} }}"
     yield "        geometry IndexedFaceSet {"
     yield "          ccw TRUE solid TRUE convex TRUE"
     yield "          coord Coordinate { point ["
     yield from (f"            {_numbers(point)}," for point in points)
     yield "          ] }"
+    if placement is not None:
+        yield "          texCoord TextureCoordinate { point ["
+        yield from (f"            {_numbers(uv)}," for uv in placement.uv(part.vertices_m))
+        yield "          ] }"
     yield "          coordIndex ["
     yield from (f"            {a}, {b}, {c}, -1," for a, b, c in part.triangles.tolist())
     yield "          ]"

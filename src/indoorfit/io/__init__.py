@@ -12,7 +12,12 @@ from .model_json import document_bytes as document_bytes
 from .model_json import to_document as to_document
 from .model_json import write_model_json as write_model_json
 from .model_reader import read_model_json as read_model_json
+from .photos import photo_from_text as photo_from_text
+from .photos import read_photos as read_photos
+from .pictures import MAX_PICTURE_PIXELS as MAX_PICTURE_PIXELS
+from .pictures import read_picture as read_picture
 from .ply_writer import write_ply as write_ply
+from .posed_images import read_posed_images as read_posed_images
 from .scan import read_scan as read_scan
 from .scan import scan_from_arrays as scan_from_arrays
 from .units import Unit as Unit

@@ -1,7 +1,8 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
 Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room`` and ``wall`` of dimensions.
+``converged``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room`` and ``wall`` of
+dimensions.
 """
 
 import json
@@ -12,7 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from ..model import SIDES, Cube, Dimension, Face, FitResult, Plane, Quantity, Room
+from ..model import (
+    SIDES,
+    TEXTURE_FOLDER,
+    Cube,
+    Dimension,
+    Face,
+    FitResult,
+    Plane,
+    Quantity,
+    Room,
+    TextureSet,
+)
 from .atomic import atomic_file
 
 SCHEMA_NAME = "indoorfit.model/1"
@@ -46,6 +58,8 @@ def to_document(result: FitResult) -> dict[str, Any]:
         "planes": [_plane(plane) for plane in result.shape.planes],
         "faces": [_face(face) for face in result.faces],
         "dimensions": [_dimension(dimension) for dimension in result.dimensions],
+        # Left out where there are none, as in documents from before there were textures.
+        **({} if result.textures is None else {"textures": _textures(result.textures)}),
         "noise": _plain(result.noise, "noise"),
         "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
         "provenance": _plain(result.provenance, "provenance"),
@@ -153,6 +167,32 @@ def _dimension(dimension: Dimension) -> dict[str, Any]:
         "to": _numbers(dimension.to_m),
         **_quantity(dimension.quantity),
         "status": dimension.status,
+    }
+
+
+def _textures(textures: TextureSet) -> dict[str, Any]:
+    """Where which image lies; the images themselves are files beside the document."""
+    return {
+        "folder": TEXTURE_FOLDER,
+        "images": [
+            {"file": image.name, "format": image.format, "width": image.width, "height": image.height}
+            for image in textures.images
+        ],
+        "faces": [
+            {
+                "face": placement.face,
+                "image": placement.image,
+                "origin": _numbers(placement.origin_m),
+                "origin_uv": _numbers(placement.origin_uv),
+                "u_per_m": _numbers(placement.u_per_m),
+                "v_per_m": _numbers(placement.v_per_m),
+                "pixel": float(placement.pixel_m),
+                "source": placement.source,
+                "seen": float(placement.seen),
+                "filled": float(placement.filled),
+            }
+            for placement in textures.placements.values()
+        ],
     }
 
 

@@ -28,10 +28,13 @@ from ..model import (
 )
 from .checked_json import JsonNode, read_json
 from .model_json import SCHEMA_NAME
+from .textures import read_textures
 
 
 def read_model_json(path: str | Path) -> FitResult:
     """The result that a ``model.json`` holds; without meshes, which follow from the shape.
+
+    Textures are read from the folder beside it; a model that was copied without them has none.
 
     Raises:
         InputError: no JSON, another schema, a field that is missing or of the wrong kind, or a
@@ -63,6 +66,7 @@ def read_model_json(path: str | Path) -> FitResult:
         notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
         provenance=root["provenance"].mapping(),
         converged=root["converged"].truth(),
+        textures=read_textures(root, Path(path).parent, face_ids),
     )
 
 

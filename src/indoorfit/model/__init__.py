@@ -15,6 +15,10 @@ from .grammar import Side as Side
 from .grammar import side_axis as side_axis
 from .grammar import side_sign as side_sign
 from .notes import Note as Note
+from .picture import Camera as Camera
+from .picture import CameraImage as CameraImage
+from .picture import Photo as Photo
+from .picture import Pictures as Pictures
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
 from .result import Face as Face
@@ -30,3 +34,10 @@ from .segments import Segments as Segments
 from .segments import Surfels as Surfels
 from .solid import Polygon as Polygon
 from .solid import RoomSolid as RoomSolid
+from .texture import TEXTURE_FOLDER as TEXTURE_FOLDER
+from .texture import FaceTexture as FaceTexture
+from .texture import ImageFormat as ImageFormat
+from .texture import TextureImage as TextureImage
+from .texture import TexturePlacement as TexturePlacement
+from .texture import TextureSet as TextureSet
+from .texture import TextureSource as TextureSource

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
+from .texture import TextureSet
 
 Method = Literal["joint", "greedy", "truth"]
 """How the numbers came about; `truth` marks the exact model of a simulated scan."""
@@ -148,6 +149,8 @@ class FitResult:
     provenance: Mapping[str, Any]
     converged: bool
     """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
+    textures: TextureSet | None = None
+    """Images on the faces; None where there are no colours, or none were wanted."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

@@ -21,37 +21,67 @@ from indoorfit.fitting import (
     intervals,
 )
 from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
-from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
+from indoorfit.model import (
+    FaceClass,
+    FitResult,
+    Frame,
+    Note,
+    Pictures,
+    Scan,
+    Segments,
+    Shape,
+    Surfels,
+    VoxelCloud,
+)
 from indoorfit.orient import orient
 from indoorfit.segment import grow_surfaces
 from indoorfit.solid import face_polygons, subtract_cubes
+from indoorfit.texture import paint
 from indoorfit.thin import surfels, thin
 
-from .provenance import Stopwatch, provenance
+from .provenance import Stopwatch, provenance, timings_s
 
 log = logging.getLogger("indoorfit")
 
 
-def fit_scan(scan: Scan, config: RunConfig | None = None) -> FitResult:
+_NO_PICTURES = Pictures()
+
+
+def fit_scan(scan: Scan, config: RunConfig | None = None, pictures: Pictures = _NO_PICTURES) -> FitResult:
     """Turn a scan into a watertight model with dimensions and intervals.
 
-    read -> **thin -> orient -> segment -> classify -> discover -> fit -> uncertainty -> solid -> measure**
+    read -> **thin -> orient -> segment -> classify -> discover -> fit -> uncertainty -> solid -> measure
+    -> texture**
 
     Args:
         scan: metres, any pose.
         config: settings; the defaults fit rooms scanned by hand-held depth cameras and by lasers.
+        pictures: camera images and photos for the faces; without them the points' colours are used.
 
     Raises:
-        InputError: the cloud cannot be a room; the message says why and what to do.
+        InputError: the cloud cannot be a room, or a picture cannot be used; the message says why and what
+            to do.
     """
     # The matrices are small: with more than one BLAS thread waking them takes most of the time.
     with threadpool_limits(1, "blas"):
-        return _run(scan, config or RunConfig())
+        config, watch = config or RunConfig(), Stopwatch()
+        return _textured(_run(scan, config, watch), scan, pictures, config, watch)
 
 
-def _run(scan: Scan, config: RunConfig) -> FitResult:
+def _textured(
+    result: FitResult, scan: Scan, pictures: Pictures, config: RunConfig, watch: Stopwatch
+) -> FitResult:
+    if not config.texture.enabled:
+        return result
+    with watch.stage("texture"):
+        textures = paint(result, scan, pictures, config.texture)
+    if textures is not None:
+        log.info("texture: %d of %d faces", len(textures.placements), len(result.faces))
+    return replace(result, textures=textures, provenance={**result.provenance, "timings_s": timings_s(watch)})
+
+
+def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> FitResult:
     rng = np.random.default_rng(config.seed)
-    watch = Stopwatch()
     with watch.stage("thin"):
         voxels = thin(scan, config.thin)
         local = surfels(voxels, config.surfels)

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from indoorfit.export import write_dimensions_csv, write_glb, write_obj, write_vrml
+from indoorfit.export import write_dimensions_csv, write_glb, write_images, write_obj, write_vrml
 from indoorfit.io import atomic_directory, write_model_json
 from indoorfit.model import FitResult, Scan
 from indoorfit.report import plan_picture, render_png, report_html, to_svg, write_picture_png
 
 
 def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *, overwrite: bool) -> None:
-    """Write model.json, GLB, VRML, OBJ, the dimension table, the plan, a view and the report.
+    """Write model.json, GLB, VRML, OBJ, textures, the dimension table, the plan, a view and the report.
 
     Args:
         result: what to write.
@@ -23,6 +23,7 @@ def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *
     points_m = None if scan is None else scan.points_m
     with atomic_directory(directory, overwrite=overwrite) as out:
         write_model_json(out / "model.json", result)
+        write_images(out, result)
         write_glb(out / "model.glb", result)
         write_vrml(out / "model.wrl", result)
         write_obj(out / "model.obj", result)

@@ -11,6 +11,7 @@ from indoorfit.model import FitResult, Quantity
 from .facts import input_name, level_text, loa_band
 from .style import STYLE
 from .table import what_is_measured
+from .textures import texture_rows
 
 
 def report_html(result: FitResult, plan_svg: str) -> str:
@@ -28,6 +29,7 @@ def report_html(result: FitResult, plan_svg: str) -> str:
         f'<section><h2>Plan</h2><div class="plan">{plan_svg}</div></section>',
         *_dimensions(result),
         *_rooms(result),
+        *_textures(result),
         *_noise(result),
         *_provenance(result),
     ]
@@ -89,6 +91,19 @@ def _rooms(result: FitResult) -> list[str]:
     ]
     head = ("Room", "What", "Value", f"Interval, {level_text(result.level)}", "Unit")
     return ["<section><h2>Rooms</h2>", _table(head, rows), "</section>"]
+
+
+def _textures(result: FitResult) -> list[str]:
+    kinds = ("id", "", "", "number", "number", "number")
+    rows = [tuple(zip(kinds, row, strict=True)) for row in texture_rows(result)]
+    if not rows:
+        return []
+    head = ("Face", "Image", "Colours from", "Pixel, cm", "Seen, %", "Filled, %")
+    return [
+        "<section><h2>Textures</h2>",
+        _table(head, rows),
+        '<p class="quiet">What was neither seen nor filled is transparent in the image.</p></section>',
+    ]
 
 
 def _noise(result: FitResult) -> list[str]:

@@ -1,5 +1,6 @@
 """Simulated rooms and scans whose truth is known exactly."""
 
+from .appearance import plane_colours as plane_colours
 from .patches import Box as Box
 from .path import Pose as Pose
 from .path import handheld_path as handheld_path

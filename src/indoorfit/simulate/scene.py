@@ -17,7 +17,7 @@ from indoorfit.model import Shape
 Point2 = tuple[float, float]
 Colour = tuple[int, int, int]
 FurnitureKind = Literal["box", "bookcase", "cupboard", "table", "chair", "lamp", "pendant", "curtain"]
-Texture = Literal["plain", "stripes", "posters", "grain"]
+Texture = Literal["plain", "stripes", "posters", "grain", "mosaic"]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ class Surface:
     """Colour, texture and displacement of one surface."""
 
     colour: tuple[int, int, int] = (200, 200, 200)
-    texture: Literal["plain", "stripes", "posters", "grain"] = "plain"
+    texture: Literal["plain", "stripes", "posters", "grain", "mosaic"] = "plain"
     bow_m: float = 0.0
     tilt_m: tuple[float, float] = (0.0, 0.0)
     axes: tuple[int, int] = (0, 2)
@@ -60,6 +60,8 @@ def shade(
         return base * np.where(np.floor((x + y) / 0.15) % 2 == 0, 1.0, 0.82)[:, None]
     if surface.texture == "posters":
         return _posters(base, index, x + y, z)
+    if surface.texture == "mosaic":
+        return _mosaic(base, index, points_m[:, surface.axes[0]], points_m[:, surface.axes[1]])
     # Plain paint is never quite even.
     return base * (1.0 + 0.015 * np.sin(1.3 * x + 0.7 * y) * np.sin(1.1 * z + index))[:, None]
 
@@ -77,3 +79,24 @@ def _posters(
     ink = 128.0 + 60.0 * np.sin(number[:, None] * np.array([1.7, 2.9, 4.3]) + np.array([0.0, 2.0, 4.0]))
     picture = ink * (0.75 + 0.25 * np.sign(np.sin(25.0 * s) * np.sin(21.0 * z)))[:, None]
     return np.where(on[:, None], picture, base)
+
+
+_TILES_M = ((0.31, 0.35), (0.083, 0.25), (0.019, 0.20))
+"""Side and contrast of the squares of a mosaic: from a metre's look to finer than any scan's points."""
+
+
+def _mosaic(
+    base: Float[np.ndarray, "points 3"],
+    index: int,
+    u: Float[np.ndarray, " points"],
+    v: Float[np.ndarray, " points"],
+) -> Float[np.ndarray, "points 3"]:
+    """Squares of three sizes in colours that never repeat: a texture by which images can be compared."""
+    factor = np.ones((len(u), 3))
+    for side_m, contrast in _TILES_M:
+        i, j = np.floor(u / side_m), np.floor(v / side_m)
+        phase = 12.9898 * i + 78.233 * j + 37.719 * index
+        # The usual hash of shaders: the sine's digits behind the fourth are as good as random.
+        number = np.sin(phase[:, None] + np.array([0.0, 1.7, 3.1])) * 43758.5453
+        factor += contrast * (2.0 * (number - np.floor(number)) - 1.0)
+    return np.clip(0.62 * base * factor, 0.0, 255.0)
