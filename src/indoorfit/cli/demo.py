@@ -26,7 +26,7 @@ class DemoCommand:
         import numpy as np
 
         from indoorfit.config import RunConfig
-        from indoorfit.io import check_output_directory
+        from indoorfit.files import check_output_directory
         from indoorfit.simulate import SamplingSettings, room_shape, sample_surface
 
         overwrite = _holds_demo(self.out)

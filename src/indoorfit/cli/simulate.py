@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 import tyro
 
 from indoorfit.errors import ConfigError, OutputError
+from indoorfit.files import staged
 
 from .runtime import set_up_logging
 from .simulate_options import Contents, Plan, Sampling, Scanning, Way, refuse_unused
-from .staging import staged
 
 _RGBD_MARKS = ("intrinsics.txt", "groundtruth.txt")
 

@@ -5,9 +5,8 @@ import io
 import math
 from pathlib import Path
 
+from indoorfit.files import replace_file
 from indoorfit.model import FitResult
-
-from .files import replace_file
 
 _COLUMNS = (
     "id", "kind", "room", "wall", "face_from", "face_to", "value_m", "std_m", "level", "low_m", "high_m",

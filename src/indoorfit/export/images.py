@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from indoorfit.errors import OutputError
+from indoorfit.files import replace_file
 from indoorfit.model import TEXTURE_FOLDER, Face, FitResult, TextureImage, TexturePlacement
 
-from .files import replace_file
 from .palette import material_name
 
 

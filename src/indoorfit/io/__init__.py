@@ -1,8 +1,5 @@
 """Files to typed values and back: scans, sensor poses and ``model.json``."""
 
-from .atomic import atomic_directory as atomic_directory
-from .atomic import atomic_file as atomic_file
-from .atomic import check_output_directory as check_output_directory
 from .checked_scan import MIN_POINTS as MIN_POINTS
 from .frames import frames_path as frames_path
 from .frames import read_frames_json as read_frames_json

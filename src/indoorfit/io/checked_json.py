@@ -44,6 +44,11 @@ class JsonNode:
         """A string."""
         if not isinstance(self.value, str):
             self.fail(self._kind(), "a string")
+        try:
+            self.value.encode("utf-8")
+        except UnicodeEncodeError:
+            # JSON may hold half a character (\ud800), which no file can be written with.
+            self.fail("half a character", "text")
         return self.value
 
     def text_or_none(self) -> str | None:

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.files import atomic_file
+
 from ..model import SensorFrame
-from .atomic import atomic_file
 from .checked_json import JsonNode, read_json
 
 _ROTATION_TOLERANCE = 1e-3

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from indoorfit.files import atomic_file
+
 from ..model import (
     SIDES,
     TEXTURE_FOLDER,
@@ -25,7 +27,6 @@ from ..model import (
     Room,
     TextureSet,
 )
-from .atomic import atomic_file
 
 SCHEMA_NAME = "indoorfit.model/1"
 

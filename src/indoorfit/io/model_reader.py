@@ -47,9 +47,11 @@ def read_model_json(path: str | Path) -> FitResult:
     cubes = _cubes(root["cubes"], planes)
     cube_ids = tuple(cube.id for cube in cubes)
     rooms = tuple(_room(node, cube_ids) for node in root["rooms"].items())
-    room_ids = tuple(room.id for room in rooms)
+    room_ids = _all_different(root["rooms"], [room.id for room in rooms])
     faces = tuple(_face(node, room_ids, cube_ids, len(planes)) for node in root["faces"].items())
-    face_ids = tuple(face.id for face in faces)
+    face_ids = _all_different(root["faces"], [face.id for face in faces])
+    dimensions = tuple(_dimension(node, room_ids, face_ids) for node in root["dimensions"].items())
+    _all_different(root["dimensions"], [dimension.id for dimension in dimensions])
     return FitResult(
         method=root["method"].choice(*get_args(Method)),
         level=root["level"].number(),
@@ -60,7 +62,7 @@ def read_model_json(path: str | Path) -> FitResult:
         shape=Shape(planes, cubes),
         rooms=rooms,
         faces=faces,
-        dimensions=tuple(_dimension(node, room_ids, face_ids) for node in root["dimensions"].items()),
+        dimensions=dimensions,
         meshes=(),
         noise=root["noise"].mapping(),
         notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
@@ -173,6 +175,13 @@ def _dimension(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, .
         quantity=_quantity(node),
         status=node["status"].choice(*get_args(PlaneStatus)),
     )
+
+
+def _all_different(node: JsonNode, ids: list[str]) -> tuple[str, ...]:
+    for item, text in zip(node.items(), ids, strict=True):
+        if ids.count(text) > 1:
+            item["id"].fail(f"{text!r}"[:60] + ", like another", "an id of its own")
+    return tuple(ids)
 
 
 def _reference(node: JsonNode, ids: tuple[str, ...], kind: str) -> str:

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
+from indoorfit.files import atomic_file
+
 from ..errors import OutputError
 from ..model import Scan
-from .atomic import atomic_file
 
 
 def write_ply(path: str | Path, scan: Scan, *, comment: str | None = None, overwrite: bool = True) -> None:

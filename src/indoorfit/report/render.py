@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from PIL import Image
 
-from indoorfit.export import face_colour, replace_file
+from indoorfit.export import face_colour
+from indoorfit.files import replace_file
 from indoorfit.model import FitResult
 
 _OVERSAMPLING = 2

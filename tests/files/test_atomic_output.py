@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from indoorfit.errors import OutputError
-from indoorfit.io import atomic_directory, atomic_file, check_output_directory
+from indoorfit.files import atomic_directory, atomic_file, check_output_directory
 
 RESULT = '{"schema": "indoorfit.model/1"}'
 

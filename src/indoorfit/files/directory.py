@@ -1,46 +1,17 @@
-"""Files and directories that appear whole or not at all.
-
-The work goes to a sibling with a temporary name, which is renamed at the end. This guards against
-errors and interrupts of the program, not against a loss of power (nothing is flushed to the disk).
-"""
+"""A whole directory of results."""
 
 import os
-import secrets
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
 
-from ..errors import OutputError
+from indoorfit.errors import OutputError
+
+from .place import os_errors_told, remove, resolved, sibling, swap_in
 
 _MARK = "model.json"
 _SCHEMA_PREFIX = b'"indoorfit.model/'
 _HEAD_BYTES = 4096
-
-
-@contextmanager
-def atomic_file(path: str | Path, *, overwrite: bool = True) -> Iterator[BinaryIO]:
-    """A binary file that takes the place of `path` when the block ends without an error.
-
-    Raises:
-        OutputError: the target is a directory, exists without `overwrite`, or cannot be written.
-    """
-    target = _resolved(path)
-    if target.is_dir():
-        raise OutputError(f"{target}: is a directory; a file is to be written. Fix: name a file.")
-    if target.exists() and not overwrite:
-        raise OutputError(f"{target}: exists already. Fix: choose another name, or allow overwriting.")
-    temporary = _sibling(target, "part")
-    with _os_errors_told(target):
-        try:
-            # Mode x: a name that someone else made in the meantime is never written to.
-            with open(temporary, "xb") as file:
-                yield file
-            os.replace(temporary, target)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
 
 
 def check_output_directory(path: str | Path, *, overwrite: bool = False) -> None:
@@ -50,7 +21,7 @@ def check_output_directory(path: str | Path, *, overwrite: bool = False) -> None
         OutputError: the target exists without `overwrite`, or is nothing that indoorfit wrote, or its
             place cannot be written to.
     """
-    target = _resolved(path)
+    target = resolved(path)
     if os.path.lexists(target):
         _check_replaceable(target, overwrite)
     place = next(parent for parent in target.parents if parent.exists())
@@ -71,37 +42,26 @@ def atomic_directory(path: str | Path, *, overwrite: bool = False) -> Iterator[P
         OutputError: as `check_output_directory`, or the writing fails.
     """
     check_output_directory(path, overwrite=overwrite)
-    target = _resolved(path)
-    temporary = _sibling(target, "part")
-    with _os_errors_told(target):
+    target = resolved(path)
+    temporary = sibling(target, "part")
+    with os_errors_told(target):
         missing = [parent for parent in target.parents if not parent.exists()]
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
             temporary.mkdir()
             yield temporary
-            _swap_in(temporary, target, overwrite)
+            if os.path.lexists(target):
+                # Asked again: the block may have taken minutes, and someone may have used the name since.
+                _check_replaceable(target, overwrite)
+            aside = swap_in(temporary, target)
         except BaseException:
-            shutil.rmtree(temporary, ignore_errors=True)
+            remove(temporary)
             for parent in missing:
                 _remove_if_empty(parent)
             raise
-
-
-def _swap_in(temporary: Path, target: Path, overwrite: bool) -> None:
-    if not os.path.lexists(target):
-        os.rename(temporary, target)
-        return
-    # Asked again: the block may have taken minutes, and someone may have used the name since.
-    _check_replaceable(target, overwrite)
-    aside = _sibling(target, "old")
-    os.rename(target, aside)
-    try:
-        os.rename(temporary, target)
-    except BaseException:
-        os.rename(aside, target)
-        raise
-    # From here on the new result stands; a remnant of the old one is no reason to fail.
-    shutil.rmtree(aside, ignore_errors=True)
+        if aside is not None:
+            # From here on the new result stands; a remnant of the old one is no reason to fail.
+            remove(aside)
 
 
 def _check_replaceable(target: Path, overwrite: bool) -> None:
@@ -131,31 +91,8 @@ def _is_result(directory: Path) -> bool:
         return _SCHEMA_PREFIX in file.read(_HEAD_BYTES)
 
 
-def _resolved(path: str | Path) -> Path:
-    """Absolute, links followed: what is replaced is the thing itself, and '.' gets a name."""
-    try:
-        return Path(path).resolve()
-    except (OSError, RuntimeError, ValueError) as e:
-        raise OutputError(f"{path}: is no usable path: {e}. Fix: choose another place.") from e
-
-
-def _sibling(target: Path, kind: str) -> Path:
-    return target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.{kind}")
-
-
 def _remove_if_empty(directory: Path) -> None:
     try:
         directory.rmdir()
     except OSError:
         return  # someone put something in; it is theirs now
-
-
-@contextmanager
-def _os_errors_told(target: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as e:
-        reason = e.strerror or type(e).__name__
-        raise OutputError(
-            f"{target}: cannot be written: {reason}. Fix: check space, permissions and path."
-        ) from e

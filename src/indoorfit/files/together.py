@@ -1,0 +1,108 @@
+"""Several files and directories that appear together or not at all."""
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from indoorfit.errors import OutputError
+
+from .place import os_errors_told, remove, sibling, swap_in
+
+
+@contextmanager
+def staged(
+    targets: Sequence[Path], *, overwrite: bool, marks: tuple[str, ...] = (), stale: Sequence[Path] = ()
+) -> Iterator[list[Path]]:
+    """Places to write to, which take the targets' names when the block ends without an error.
+
+    A writer may put further files beside its place (the materials of an OBJ, a folder of images): they go
+    to the same place beside the target, under the same rule of overwriting.
+
+    Args:
+        targets: files, or directories to be filled.
+        overwrite: whether existing targets may be replaced.
+        marks: files that a directory must hold to be replaced, so that none of someone else's ever is.
+        stale: files that would contradict the new ones; removed with `overwrite`, refused without.
+
+    Yields:
+        for each target a path of the same name in a temporary folder beside it.
+
+    Raises:
+        OutputError: a target exists, has no writable directory to lie in, or comes twice.
+    """
+    for path in (*targets, *stale):
+        _check(path, overwrite, marks)
+    if len({path.resolve() for path in targets}) < len(targets):
+        raise OutputError(
+            f"{targets[0].name}: two outputs have the same name. Fix: give each a name of its own."
+        )
+    folders = {path.absolute().parent: sibling(path.absolute(), "part") for path in targets}
+    with os_errors_told(targets[0]):
+        try:
+            for folder in folders.values():
+                folder.mkdir()
+            yield [folders[path.absolute().parent] / path.name for path in targets]
+            _move_in(folders, targets, overwrite)
+            for path in stale:
+                path.unlink(missing_ok=True)
+        except OutputError as e:
+            raise OutputError(_without(folders, str(e))) from e
+        finally:
+            for folder in folders.values():
+                remove(folder)
+
+
+def _check(path: Path, overwrite: bool, marks: tuple[str, ...]) -> None:
+    parent = path.absolute().parent
+    if not parent.is_dir():
+        raise OutputError(f"{path}: there is no directory {path.parent}. Fix: make it, or choose another.")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise OutputError(f"{path}: {path.parent} cannot be written to. Fix: choose another directory.")
+    if os.path.lexists(path) and not overwrite:
+        raise OutputError(f"{path}: exists already. Fix: choose another name, or give --overwrite.")
+    if path.is_dir() and any(path.iterdir()) and not (marks and all((path / m).is_file() for m in marks)):
+        raise OutputError(f"{path}: is a directory with other things in it. Fix: choose another name.")
+
+
+def _move_in(folders: dict[Path, Path], targets: Sequence[Path], overwrite: bool) -> None:
+    """Put all that was written in place; after an error everything is as it was."""
+    wanted = {path.absolute() for path in targets}
+    moves = [
+        (place, parent / place.relative_to(folder))
+        for parent, folder in folders.items()
+        for place in _pieces(folder, {folder / path.name for path in wanted if path.parent == parent})
+    ]
+    for _, target in moves:
+        if target not in wanted and os.path.lexists(target) and (not overwrite or target.is_dir()):
+            raise OutputError(f"{target}: exists already. Fix: choose another name, or give --overwrite.")
+    done: list[tuple[Path, Path, Path | None]] = []
+    try:
+        for place, target in moves:
+            target.parent.mkdir(exist_ok=True, parents=True)
+            done.append((place, target, swap_in(place, target)))
+    except BaseException:
+        for place, target, aside in reversed(done):
+            os.rename(target, place)
+            if aside is not None:
+                os.rename(aside, target)
+        raise
+    for _, _, aside in done:
+        if aside is not None:
+            remove(aside)
+
+
+def _pieces(folder: Path, wholes: set[Path]) -> Iterator[Path]:
+    """What is moved in one step: targets as they are, everything else file by file."""
+    for path in sorted(folder.iterdir()):
+        if path in wholes or not path.is_dir():
+            yield path
+        else:
+            yield from _pieces(path, wholes)
+
+
+def _without(folders: dict[Path, Path], text: str) -> str:
+    """A message as if the work had been done in place."""
+    for folder in folders.values():
+        text = text.replace(f"{folder.name}{os.sep}", "")
+    return text

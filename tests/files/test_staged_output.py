@@ -1,0 +1,85 @@
+"""Several outputs appear together or not at all."""
+
+import os
+
+import pytest
+
+from indoorfit.errors import OutputError
+from indoorfit.files import staged
+
+
+def write(places, text="new"):
+    for place in places:
+        place.write_text(text)
+
+
+def names(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_all_targets_appear_at_the_end_with_what_lies_beside_them(tmp_path):
+    (tmp_path / "b").mkdir()
+    targets = [tmp_path / "a.obj", tmp_path / "b" / "c.ply"]
+    with staged(targets, overwrite=False) as places:
+        assert [place.name for place in places] == ["a.obj", "c.ply"]
+        write(places)
+        places[0].with_suffix(".mtl").write_text("new")
+        (places[0].parent / "textures").mkdir()
+        (places[0].parent / "textures" / "wall.png").write_text("new")
+        assert not any(target.exists() for target in targets)
+    assert names(tmp_path) == ["a.mtl", "a.obj", "b", "b/c.ply", "textures", "textures/wall.png"]
+
+
+@pytest.mark.parametrize("beside", ["a.mtl", "textures/wall.png"])
+def test_files_beside_a_target_need_overwriting_too(tmp_path, beside):
+    path = tmp_path / beside
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("mine")
+
+    def attempt(overwrite):
+        with staged([tmp_path / "a.obj"], overwrite=overwrite) as places:
+            write(places)
+            (places[0].parent / beside).parent.mkdir(exist_ok=True)
+            (places[0].parent / beside).write_text("new")
+
+    with pytest.raises(OutputError, match="--overwrite"):
+        attempt(False)
+    assert path.read_text() == "mine"
+    assert not (tmp_path / "a.obj").exists()
+    attempt(True)
+    assert path.read_text() == "new"
+    assert not [name for name in names(tmp_path) if name.startswith(".")]
+
+
+def test_an_error_in_the_last_step_brings_everything_back(tmp_path, monkeypatch):
+    old = [tmp_path / "a", tmp_path / "b"]
+    write(old, "old")
+    rename, calls = os.rename, []
+
+    def fourth_fails(source, target):
+        calls.append(source)
+        if len(calls) == 4:
+            raise OSError(5, "Input/output error")
+        rename(source, target)
+
+    monkeypatch.setattr(os, "rename", fourth_fails)
+
+    def attempt():
+        with staged(old, overwrite=True) as places:
+            write(places)
+
+    with pytest.raises(OutputError, match="Input/output"):
+        attempt()
+    assert names(tmp_path) == ["a", "b"]
+    assert [path.read_text() for path in old] == ["old", "old"]
+
+
+def test_errors_name_the_target_and_not_the_temporary_place(tmp_path):
+    def attempt():
+        with staged([tmp_path / "a"], overwrite=False) as places:
+            raise OutputError(f"{places[0]}: disk full. Fix: make room.")
+
+    with pytest.raises(OutputError) as caught:
+        attempt()
+    assert str(caught.value) == f"{tmp_path / 'a'}: disk full. Fix: make room."
+    assert names(tmp_path) == []
