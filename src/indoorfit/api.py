@@ -1,11 +1,13 @@
 """The same as the command line, in a few lines of Python."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from indoorfit.config import RunConfig
+from indoorfit.files import FormatName
 from indoorfit.io import read_scan, scan_from_arrays
 from indoorfit.model import Dimension, Face, FitResult, Note, Pictures, Room, Scan
 from indoorfit.pipeline import fit_scan, write_outputs
@@ -40,13 +42,20 @@ class RoomModel:
         """What a reader of the numbers must know."""
         return self.result.notes
 
-    def write(self, directory: str | Path, *, overwrite: bool = False) -> None:
+    def write(
+        self, directory: str | Path, *, overwrite: bool = False, formats: Sequence[FormatName] = ()
+    ) -> None:
         """Write all output files into a directory, whole or not at all.
+
+        Args:
+            directory: created; its parents too.
+            overwrite: replace an earlier result in the same place.
+            formats: further files, e.g. ``("ifc", "dxf")``.
 
         Raises:
             OutputError: the directory exists without `overwrite`, or cannot be written.
         """
-        write_outputs(self.result, directory, self.scan, overwrite=overwrite)
+        write_outputs(self.result, directory, self.scan, overwrite=overwrite, formats=formats)
 
     def __repr__(self) -> str:
         return dimension_table(self.result)

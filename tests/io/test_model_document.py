@@ -168,3 +168,20 @@ def test_read_model_json_refuses_files_that_are_no_model(tmp_path, content):
         read_model_json(tmp_path / "model.json")
     with pytest.raises(InputError, match=r"absent\.json: cannot be read"):
         read_model_json(tmp_path / "absent.json")
+
+
+@pytest.mark.parametrize("part", ["rooms", "faces", "dimensions"])
+def test_read_model_json_refuses_an_id_that_comes_twice(tmp_path, result, part):
+    document = to_document(result)
+    document[part].append(document[part][0])
+    (tmp_path / "model.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=rf"{part}\[0\]\.id is .* like another"):
+        read_model_json(tmp_path / "model.json")
+
+
+def test_read_model_json_refuses_half_a_character(tmp_path, result):
+    document = to_document(result)
+    document["rooms"][0]["id"] = "\ud800"
+    (tmp_path / "model.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match="half a character"):
+        read_model_json(tmp_path / "model.json")

@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 import tyro
 
+from indoorfit.files import FormatName, check_output_directory
+
 from .runtime import set_up_logging
 from .texture_options import Textures
 
@@ -30,6 +32,8 @@ class FitCommand:
     """Unit of the file's coordinates."""
     up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] | None = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    format: tuple[FormatName, ...] = ()
+    """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
     seed: int | None = None
     """Seed of everything random; default 0."""
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
@@ -46,9 +50,13 @@ class FitCommand:
         """Carry the command out; returns the exit code."""
         set_up_logging(self.quiet, self.verbose)
         from indoorfit.config import RunConfig, load_config
-        from indoorfit.io import check_output_directory, read_scan
+        from indoorfit.io import read_scan
 
         check_output_directory(self.out, overwrite=self.overwrite)
+        if self.format:
+            from indoorfit.pipeline import check_formats
+
+            check_formats(self.format)
         config = load_config(self.config) if self.config else RunConfig()
         given = {"method": self.method, "level": self.level, "seed": self.seed}
         config = replace(config, **{name: value for name, value in given.items() if value is not None})
@@ -57,10 +65,27 @@ class FitCommand:
         config = replace(config, texture=self.textures.settings(config.texture))
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)
-        return run_pipeline(scan, config, self.out, pictures, overwrite=self.overwrite, as_json=self.json)
+        return run_pipeline(
+            scan,
+            config,
+            self.out,
+            pictures,
+            overwrite=self.overwrite,
+            as_json=self.json,
+            formats=self.format,
+        )
 
 
-def run_pipeline(scan, config, out: Path, pictures=None, *, overwrite: bool, as_json: bool) -> int:
+def run_pipeline(
+    scan,
+    config,
+    out: Path,
+    pictures=None,
+    *,
+    overwrite: bool,
+    as_json: bool,
+    formats: tuple[FormatName, ...] = (),
+) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
     import logging
 
@@ -76,7 +101,7 @@ def run_pipeline(scan, config, out: Path, pictures=None, *, overwrite: bool, as_
     result = fit_scan(scan, config, pictures or Pictures())
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
-    write_outputs(result, out, scan, overwrite=overwrite)
+    write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
         sys.stdout.write("\n")

@@ -10,9 +10,10 @@ from jaxtyping import Float
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
+from indoorfit.files import replace_file
 from indoorfit.model import Face, FitResult, TextureSet
 
-from .files import replace_file
+from .facts import dimension_facts, face_facts, model_facts, room_facts
 from .images import image_of, placement_of, textured_name
 from .palette import face_colour, linear_rgb
 from .parts import FacePart, face_parts
@@ -60,6 +61,7 @@ def write_glb(path: Path, result: FitResult) -> None:
 
     def annotate(tree: dict[str, Any]) -> None:
         _annotate(tree, result)
+        _describe(tree, result)
 
     content = scene.export(
         file_type="glb",
@@ -102,6 +104,18 @@ def _embed_images(buffers: MutableMapping[Any, bytes], tree: dict[str, Any], tex
             source = {"extensions": {_WEBP: source}}
             tree["extensionsUsed"] = tree["extensionsRequired"] = [_WEBP]
         tree["textures"].append({"sampler": 0, **source})
+
+
+def _describe(tree: dict[str, Any], result: FitResult) -> None:
+    """What is known of model, rooms, faces and dimensions, as extras of the scene and the nodes."""
+    rooms = {room.id: room_facts(room) for room in result.rooms}
+    faces = {face.id: face_facts(face) for face in result.faces}
+    for node in tree["nodes"]:
+        facts = faces if "mesh" in node else rooms
+        if node.get("name") in facts:
+            node["extras"] = facts[node["name"]]
+    dimensions = [dimension_facts(dimension) for dimension in result.dimensions]
+    tree["scenes"][0]["extras"] = {"model": model_facts(result), "dimensions": dimensions}
 
 
 def _annotate(tree: dict[str, Any], result: FitResult) -> None:

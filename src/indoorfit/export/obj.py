@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from indoorfit.files import replace_file
 from indoorfit.model import TEXTURE_FOLDER, Face, FitResult, RoomMesh
 
-from .files import replace_file
 from .images import image_of, placement_of, textured_name
 from .palette import face_colour
+from .text import numbers
 
 
 def write_obj(path: Path, result: FitResult) -> None:
@@ -31,8 +32,8 @@ def write_obj(path: Path, result: FitResult) -> None:
     for mesh in result.meshes:
         faces = [face for face in result.faces if face.id in set(mesh.face_ids)]
         lines.append(f"o {_name(mesh.room)}")
-        lines += [f"v {_numbers(vertex)}" for vertex in mesh.vertices_m]
-        lines += [f"vn {_numbers(face.normal)}" for face in faces]
+        lines += [f"v {numbers(vertex)}" for vertex in mesh.vertices_m]
+        lines += [f"vn {numbers(face.normal)}" for face in faces]
         for k, face in enumerate(faces):
             group = _group(result, mesh, face, (n_vertices + 1, n_uv + 1, n_normals + k + 1))
             n_uv += len(group.uv_lines)
@@ -56,7 +57,7 @@ def _group(result: FitResult, mesh: RoomMesh, face: Face, first: tuple[int, int,
     placement = placement_of(result, face)
     uv_lines = []
     if placement is not None:
-        uv_lines = [f"vt {_numbers(uv)}" for uv in placement.uv(mesh.vertices_m[used])]
+        uv_lines = [f"vt {numbers(uv)}" for uv in placement.uv(mesh.vertices_m[used])]
     lines = [f"g {_name(face.id)}", f"usemtl {textured_name(result, face)}"]
     for triangle, places in zip(chosen.tolist(), corners.reshape(-1, 3).tolist(), strict=True):
         texts = [
@@ -79,10 +80,6 @@ def _materials(result: FitResult) -> str:
         if image is not None:
             lines.append(f"map_Kd {TEXTURE_FOLDER}/{image.name}")
     return "\n".join(lines) + "\n"
-
-
-def _numbers(vector: np.ndarray) -> str:
-    return " ".join(repr(value + 0.0) for value in vector.tolist())
 
 
 def _name(text: str) -> str:

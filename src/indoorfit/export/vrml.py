@@ -5,15 +5,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+from indoorfit.files import replace_file
 from indoorfit.model import TEXTURE_FOLDER, FitResult
 
-from .files import replace_file
 from .images import image_of, placement_of
 from .numbers import quantity_text
 from .palette import face_colour, material_name
 from .parts import FacePart, face_parts
+from .text import numbers
+from .view import view_from_above
 
 _FORBIDDEN = re.compile(r"[\x00-\x20\"#',.\[\\\]{}\x7f]")
 """What a VRML97 name may not hold (4.4.2 and the grammar in annex A)."""
@@ -29,7 +30,7 @@ def write_vrml(path: Path, result: FitResult) -> None:
         OutputError: the file cannot be written.
     """
     lines = ["#VRML V2.0 utf8", *_world_info(result), 'NavigationInfo { type [ "EXAMINE", "ANY" ] }']
-    lines += ["DEF scan_frame Transform {", f"  translation {_numbers(result.frame.origin_scan_m)}"]
+    lines += ["DEF scan_frame Transform {", f"  translation {numbers(result.frame.origin_scan_m)}"]
     lines += ["  children [", _viewpoint(result)]
     defined: set[str] = set()
     for mesh in result.meshes:
@@ -56,20 +57,9 @@ def _world_info(result: FitResult) -> Iterator[str]:
 
 
 def _viewpoint(result: FitResult) -> str:
-    """A look into the doll's house from above; viewers would start beside map coordinates otherwise."""
-    corners = result.frame.to_manhattan(np.concatenate([mesh.vertices_m for mesh in result.meshes]))
-    middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    size_m = float(np.linalg.norm(corners.max(axis=0) - corners.min(axis=0)))
-    backward = np.array([-0.45, -0.65, 0.9]) / np.linalg.norm([-0.45, -0.65, 0.9])
-    right = np.cross([0.0, 0.0, 1.0], backward)
-    right /= np.linalg.norm(right)
-    R_manhattan_camera = np.column_stack([right, np.cross(backward, right), backward])
-    # The default field of view is 45 degrees; 1.4 diagonals away the whole model is in it.
-    position = result.frame.directions_to_scan(middle + 1.4 * size_m * backward)
-    turn = Rotation.from_matrix(result.frame.R_manhattan_scan.T @ R_manhattan_camera).as_rotvec()
-    angle = float(np.linalg.norm(turn))
-    axis = turn / angle if angle > 0 else np.array([0.0, 0.0, 1.0])
-    pose = f"position {_rounded(position)} orientation {_rounded(np.append(axis, angle))}"
+    view = view_from_above(result)
+    turn = np.append(view.axis, view.angle_rad)
+    pose = f"position {_rounded(view.position_m)} orientation {_rounded(turn)}"
     return f'    Viewpoint {{ description "From above" {pose} }}'
 
 
@@ -92,21 +82,17 @@ def _shape(result: FitResult, part: FacePart, defined: set[str]) -> Iterator[str
     yield "        geometry IndexedFaceSet {"
     yield "          ccw TRUE solid TRUE convex TRUE"
     yield "          coord Coordinate { point ["
-    yield from (f"            {_numbers(point)}," for point in points)
+    yield from (f"            {numbers(point)}," for point in points)
     yield "          ] }"
     if placement is not None:
         yield "          texCoord TextureCoordinate { point ["
-        yield from (f"            {_numbers(uv)}," for uv in placement.uv(part.vertices_m))
+        yield from (f"            {numbers(uv)}," for uv in placement.uv(part.vertices_m))
         yield "          ] }"
     yield "          coordIndex ["
     yield from (f"            {a}, {b}, {c}, -1," for a, b, c in part.triangles.tolist())
     yield "          ]"
     yield "        }"
     yield "      }"
-
-
-def _numbers(vector: np.ndarray) -> str:
-    return " ".join(repr(value + 0.0) for value in vector.tolist())
 
 
 def _rounded(vector: np.ndarray) -> str:

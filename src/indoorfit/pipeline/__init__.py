@@ -1,5 +1,10 @@
 """The order of the stages, and nothing else."""
 
 from .fit import fit_scan as fit_scan
+from .formats import FORMATS as FORMATS
+from .formats import Format as Format
+from .formats import check_formats as check_formats
+from .formats import format_of as format_of
+from .meshes import with_meshes as with_meshes
 from .outputs import write_outputs as write_outputs
 from .truth import truth_result as truth_result

@@ -1,14 +1,25 @@
 """A result written to a directory, whole or not at all."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from indoorfit.export import write_dimensions_csv, write_glb, write_images, write_obj, write_vrml
-from indoorfit.io import atomic_directory, write_model_json
+from indoorfit.files import FormatName, atomic_directory
+from indoorfit.io import write_model_json
 from indoorfit.model import FitResult, Scan
 from indoorfit.report import plan_picture, render_png, report_html, to_svg, write_picture_png
 
+from .formats import FORMATS
 
-def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *, overwrite: bool) -> None:
+
+def write_outputs(
+    result: FitResult,
+    directory: str | Path,
+    scan: Scan | None,
+    *,
+    overwrite: bool,
+    formats: Sequence[FormatName] = (),
+) -> None:
     """Write model.json, GLB, VRML, OBJ, textures, the dimension table, the plan, a view and the report.
 
     Args:
@@ -16,6 +27,7 @@ def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *
         directory: created; its parents too.
         scan: drawn faintly behind the plan where given.
         overwrite: replace an earlier result in the same place.
+        formats: further files, of the formats that are not written anyway.
 
     Raises:
         OutputError: the directory exists without `overwrite`, or cannot be written.
@@ -35,3 +47,7 @@ def write_outputs(result: FitResult, directory: str | Path, scan: Scan | None, *
         write_picture_png(out / "plan.png", picture)
         render_png(out / "view.png", result)
         (out / "report.html").write_text(report_html(result, drawing), encoding="utf-8")
+        for name in formats:
+            target = out / FORMATS[name].file_name
+            if not target.exists():
+                FORMATS[name].write(target, result, None)

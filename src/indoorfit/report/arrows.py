@@ -222,13 +222,13 @@ def _line_boxes(span: Span, at: float) -> tuple[tuple[Box, ...], tuple[Box, ...]
     line = _oriented(span, span.low + inset, span.high - inset, at - 0.5, at + 0.5)
     extensions = []
     for end in span.ends:
-        start = _extension_start(end, at)
+        start = extension_start(end, at)
         if start is not None:
             extensions.append(_oriented(span, end.at - 0.4, end.at + 0.4, *sorted((start, at))))
     return (line,), tuple(extensions)
 
 
-def _extension_start(wall: WallLine, at: float) -> float | None:
+def extension_start(wall: WallLine, at: float) -> float | None:
     """Where the extension line leaves the wall; None where the dimension line meets the wall itself."""
     if wall.low - 1.0 <= at <= wall.high + 1.0:
         return None
@@ -255,7 +255,7 @@ def draw_placement(placement: Placement) -> Iterator[Item]:
     span, at = placement.span, placement.at
     colour = INFERRED if span.inferred else LINE
     for end in span.ends:
-        start = _extension_start(end, at)
+        start = extension_start(end, at)
         if start is not None:
             over = at + (2.0 if at > start else -2.0)
             yield Stroke(_points(span, [(end.at, start), (end.at, over)]), colour, 0.6)

@@ -31,12 +31,26 @@ def heading(result: FitResult) -> tuple[list[Item], float]:
     return items, 80.0
 
 
-def caption(result: FitResult, scale: float, width: float, cramped: list[str]) -> tuple[list[Item], float]:
-    """Scale bar, axes, legend and room lines, with the top left corner at the origin, and their height."""
+def caption(
+    result: FitResult, scale: float, width: float, cramped: list[str], denominator: int | None
+) -> tuple[list[Item], float]:
+    """Scale bar, axes, legend and room lines, with the top left corner at the origin, and their height.
+
+    Args:
+        result: what the plan shows.
+        scale: page units per metre.
+        width: of the sheet.
+        cramped: dimensions that the drawing has no space for.
+        denominator: N of the scale 1:N, written where it is given.
+    """
     bar, bar_width = _scale_bar(scale)
     items: list[Item] = [*bar, *_axes(np.array([bar_width + 46.0, 16.0]))]
     items += _legend(result, np.array([bar_width + 120.0, 0.0]))
     y = 58.0
+    if denominator is not None:
+        text = f"Scale 1:{denominator} when printed without fitting to the page"
+        items.append(Label(text, (0.0, y), 11.5, TEXT, "start"))
+        y += _ROW
     for line in [*(_room_line(result, room) for room in result.rooms), *_cramped_lines(cramped, width)]:
         items.append(Label(line, (0.0, y), 11.5, TEXT, "start"))
         y += _ROW

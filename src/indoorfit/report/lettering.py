@@ -33,6 +33,12 @@ def runs(text: str) -> tuple[tuple[str, bool], ...]:
     return tuple(pieces)
 
 
+def drawable(text: str) -> str:
+    """A text in letters that simple fonts have; superscripts stay as they are."""
+    characters = text.translate(_REPLACEMENTS)
+    return "".join(c if c in _SUPERSCRIPTS else _drawable(c) for c in characters)
+
+
 @lru_cache(maxsize=4096)
 def text_width(text: str, size: float) -> float:
     """Width of a line of text, in the unit of `size`."""

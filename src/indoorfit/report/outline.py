@@ -103,8 +103,13 @@ class Outline:
         return None
 
 
-def outline_of(result: FitResult) -> Outline:
-    """Lay the model's faces on the page, as large as is good to read."""
+def outline_of(result: FitResult, scale: float | None = None) -> Outline:
+    """Lay the model's faces on the page.
+
+    Args:
+        result: what to draw.
+        scale: page units per metre; without it as large as is good to read on a screen.
+    """
     corners = {
         face.id: tuple(result.frame.to_manhattan(ring) for ring in face.rings_m) for face in result.faces
     }
@@ -113,7 +118,8 @@ def outline_of(result: FitResult) -> Outline:
     n_walls = sum(face.kind == "wall" for face in result.faces)
     # More walls have more to say, so they get a larger sheet.
     growth = min(max(np.sqrt(n_walls / 8.0), 1.0), _LARGEST)
-    scale = float(min(_AREA[0] / extent_m[0], _AREA[1] / extent_m[1]) * growth)
+    if scale is None:
+        scale = float(min(_AREA[0] / extent_m[0], _AREA[1] / extent_m[1]) * growth)
     flip = np.array([scale, -scale])
     floors = {
         room.id: tuple(

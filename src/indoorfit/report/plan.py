@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.export import replace_file
+from indoorfit.files import replace_file
 from indoorfit.model import FitResult
 
-from .arrows import INFERRED, draw_placement, place_spans, spans_of
-from .board import Board
+from .arrows import INFERRED, draw_placement
 from .caption import caption, heading
 from .display import Dots, Item, Label, Picture, Region, Stroke
-from .names import FLOOR, name_rooms, name_walls
-from .outline import BAND, Outline, outline_of
+from .layout import Layout, lay_out
+from .names import FLOOR
+from .outline import BAND, Outline
 from .raster import to_image
 from .svg import to_svg
 
@@ -65,32 +65,37 @@ def write_picture_png(path: Path, picture: Picture) -> None:
     replace_file(path, content.getvalue())
 
 
-def plan_picture(result: FitResult, points_m: Float[np.ndarray, "points 3"] | None = None) -> Picture:
-    """Lay the plan out: walls, then names, then dimensions, each where there is space left."""
-    outline = outline_of(result)
-    board = Board()
-    board.add("wall", [wall.box() for wall in outline.walls])
-    # Names of short walls come last: with a leader they can stand anywhere.
-    names = [*name_rooms(result, outline, board), *name_walls(outline, board, short=False)]
-    placements, cramped = place_spans(spans_of(result, outline), outline, board)
-    names += name_walls(outline, board, short=True)
-    arrows = [item for placement in placements for item in draw_placement(placement)]
+def plan_picture(
+    result: FitResult, points_m: Float[np.ndarray, "points 3"] | None = None, layout: Layout | None = None
+) -> Picture:
+    """Draw the plan: walls, then names, then dimensions, each where there is space left.
+
+    Args:
+        result: what to draw.
+        points_m: the scan, scan frame, metres; drawn faintly behind the plan.
+        layout: where everything goes; laid out for the screen where it is not given.
+    """
+    plan = layout or lay_out(result)
+    outline = plan.outline
+    arrows = [item for placement in plan.placements for item in draw_placement(placement)]
     drawing = [*_rooms(outline), *_scan(result, outline, points_m), *_walls(outline)]
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
-    marks = [*names, *arrows]
+    marks = [*plan.names, *arrows]
     drawing += [item for item in marks if not isinstance(item, Label)]
     drawing += [item for item in marks if isinstance(item, Label)]
-    return _sheet(result, outline, drawing, [f"{span.label} m" for span in cramped])
+    return _sheet(result, plan, drawing)
 
 
-def _sheet(result: FitResult, outline: Outline, drawing: list[Item], cramped: list[str]) -> Picture:
+def _sheet(result: FitResult, plan: Layout, drawing: list[Item]) -> Picture:
     """Put heading, drawing and caption below each other on a sheet that fits them."""
+    outline = plan.outline
+    cramped = [f"{span.label} m" for span in plan.cramped]
     boxes = np.array([item.box() for item in drawing if not isinstance(item, Dots)])
     left, top = boxes[:, :2].min(axis=0)
     right, bottom = boxes[:, 2:].max(axis=0)
     width = max(float(right - left), 560.0)
     head, head_height = heading(result)
-    foot, foot_height = caption(result, outline.scale, width, cramped)
+    foot, foot_height = caption(result, outline.scale, width, cramped, plan.denominator)
     width = max(width, *(item.box()[2] for item in [*head, *foot]))
     at_drawing = np.array([_MARGIN + 0.5 * (width - (right - left)) - left, _MARGIN + head_height - top])
     at_foot = np.array([_MARGIN, _MARGIN + head_height + (bottom - top) + 30.0])

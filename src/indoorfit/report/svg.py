@@ -11,13 +11,20 @@ from .lettering import text_width
 _FONTS = "Aileron, Helvetica, Arial, 'Liberation Sans', sans-serif"
 
 
-def to_svg(picture: Picture) -> str:
+def to_svg(picture: Picture, unit_mm: float | None = None) -> str:
     """The picture as one SVG element, fit for a file of its own or inside a page.
 
     Texts are escaped and control characters dropped, so no name can add an element.
+
+    Args:
+        picture: what to draw.
+        unit_mm: length of a page unit on paper; without it the size is in pixels of the screen.
     """
     size = f'width="{picture.width:.0f}" height="{picture.height:.0f}"'
     view = f'viewBox="0 0 {picture.width:.0f} {picture.height:.0f}"'
+    if unit_mm is not None:
+        size = f'width="{picture.width * unit_mm:.3f}mm" height="{picture.height * unit_mm:.3f}mm"'
+        view = f'viewBox="0 0 {picture.width:.4f} {picture.height:.4f}"'
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} {view} role="img" font-family={quoteattr(_FONTS)}>',
         f"<title>{_text(picture.title)}</title>",
