@@ -1,5 +1,6 @@
 """What holds for every 3D format: the same closed body, the same named faces, the same place."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -132,3 +133,27 @@ def test_trimesh_opens_it_with_the_same_volume(name, tmp_path):
     assert joined.is_watertight
     # trimesh reads 3MF and COLLADA in their own units; metres are what both files say.
     assert abs(joined.volume) == pytest.approx(plan_area_m2(L_ROOM) * 2.7, rel=1e-6)
+
+
+def test_names_stay_different_where_only_forbidden_letters_differ(tmp_path):
+    result = make_result(BOX)
+    names = dict(
+        zip([face.id for face in result.faces], ["a b", "a_b", "a.b", "a\tb", "_a_b", "a'b"], strict=True)
+    )
+    result = replace(
+        result,
+        faces=tuple(replace(face, id=names[face.id]) for face in result.faces),
+        meshes=tuple(replace(m, face_ids=tuple(names[face] for face in m.face_ids)) for m in result.meshes),
+        dimensions=(),
+    )
+    assert len(read_back("obj", result, tmp_path).faces) == 6
+    found = re.findall(r"DEF (\S+) Shape", written("vrml", result, tmp_path).read_text())
+    assert len(set(found)) == 6
+    assert not any("." in name for name in found)
+
+
+def test_obj_names_a_material_file_without_spaces(tmp_path):
+    FORMATS["obj"].write(tmp_path / "my room.obj", make_result(BOX), None)
+    (line,) = re.findall(r"^mtllib (.*)$", (tmp_path / "my room.obj").read_text(), re.M)
+    assert (tmp_path / line).is_file()
+    assert " " not in line

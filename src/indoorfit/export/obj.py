@@ -10,7 +10,7 @@ from indoorfit.model import TEXTURE_FOLDER, Face, FitResult, RoomMesh
 
 from .images import image_of, placement_of, textured_name
 from .palette import face_colour
-from .text import numbers
+from .text import node_names, numbers
 
 
 def write_obj(path: Path, result: FitResult) -> None:
@@ -23,19 +23,22 @@ def write_obj(path: Path, result: FitResult) -> None:
     Raises:
         OutputError: a file cannot be written.
     """
-    materials = path.with_suffix(".mtl")
+    # OBJ separates names by white space, so the file that is named has none.
+    materials = path.with_name("_".join(path.stem.split()) + ".mtl")
+    names = node_names(result)
     lines = [
         "# indoorfit: metres, scan frame, faces look into the room",
-        f"mtllib {_name(materials.name)}",
+        f"mtllib {materials.name}",
     ]
     n_vertices = n_normals = n_uv = 0
     for mesh in result.meshes:
         faces = [face for face in result.faces if face.id in set(mesh.face_ids)]
-        lines.append(f"o {_name(mesh.room)}")
+        lines.append(f"o {names['room', mesh.room]}")
         lines += [f"v {numbers(vertex)}" for vertex in mesh.vertices_m]
         lines += [f"vn {numbers(face.normal)}" for face in faces]
         for k, face in enumerate(faces):
-            group = _group(result, mesh, face, (n_vertices + 1, n_uv + 1, n_normals + k + 1))
+            name = names["face", face.id]
+            group = _group(result, mesh, face, name, (n_vertices + 1, n_uv + 1, n_normals + k + 1))
             n_uv += len(group.uv_lines)
             lines += [*group.uv_lines, *group.lines]
         n_vertices += len(mesh.vertices_m)
@@ -50,7 +53,7 @@ class _Group:
     lines: list[str]
 
 
-def _group(result: FitResult, mesh: RoomMesh, face: Face, first: tuple[int, int, int]) -> _Group:
+def _group(result: FitResult, mesh: RoomMesh, face: Face, name: str, first: tuple[int, int, int]) -> _Group:
     """One face; `first` numbers its room's first vertex, its own first texture vertex and its normal."""
     chosen = mesh.triangles[np.array(mesh.face_ids) == face.id]
     used, corners = np.unique(chosen, return_inverse=True)
@@ -58,7 +61,7 @@ def _group(result: FitResult, mesh: RoomMesh, face: Face, first: tuple[int, int,
     uv_lines = []
     if placement is not None:
         uv_lines = [f"vt {numbers(uv)}" for uv in placement.uv(mesh.vertices_m[used])]
-    lines = [f"g {_name(face.id)}", f"usemtl {textured_name(result, face)}"]
+    lines = [f"g {name}", f"usemtl {textured_name(result, face)}"]
     for triangle, places in zip(chosen.tolist(), corners.reshape(-1, 3).tolist(), strict=True):
         texts = [
             f"{first[0] + vertex}/{first[1] + place if uv_lines else ''}/{first[2]}"
@@ -80,8 +83,3 @@ def _materials(result: FitResult) -> str:
         if image is not None:
             lines.append(f"map_Kd {TEXTURE_FOLDER}/{image.name}")
     return "\n".join(lines) + "\n"
-
-
-def _name(text: str) -> str:
-    """OBJ separates names by white space."""
-    return "_".join(text.split()) or "_"

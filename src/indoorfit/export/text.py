@@ -12,6 +12,7 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """What an XML 1.0 document may not hold, not even escaped (2.2 Characters)."""
 
 _NOT_NAME = re.compile(r"[^A-Za-z0-9_.-]")
+_NOT_NAME_NOR_DOT = re.compile(r"[^A-Za-z0-9_-]")
 
 OWN = "indoorfit."
 """How names begin that are not those of rooms and faces."""
@@ -22,18 +23,22 @@ def numbers(values: np.ndarray) -> str:
     return " ".join(repr(value + 0.0) for value in np.asarray(values, dtype=np.float64).ravel().tolist())
 
 
-def safe_names(ids: Iterable[str]) -> dict[str, str]:
+def safe_names(ids: Iterable[str], dots: bool = True) -> dict[str, str]:
     """A name of letters, digits and ``_ . -`` for every id (an NCName of XML), all different.
 
     Ids that are such names already stay as they are; no name begins with `OWN`.
+
+    Args:
+        ids: any texts.
+        dots: whether a name may hold dots; VRML97's may not.
     """
     ids = list(dict.fromkeys(ids))
     names: dict[str, str] = {}
-    taken = {text for text in ids if _is_name(text)}
+    taken = {text for text in ids if _is_name(text, dots)}
     for text in ids:
         name = text
-        if not _is_name(text):
-            stem = name = "_" + _NOT_NAME.sub("_", text)
+        if not _is_name(text, dots):
+            stem = name = "_" + (_NOT_NAME if dots else _NOT_NAME_NOR_DOT).sub("_", text)
             k = 1
             while name in taken:
                 k += 1
@@ -43,18 +48,19 @@ def safe_names(ids: Iterable[str]) -> dict[str, str]:
     return names
 
 
-def _is_name(text: str) -> bool:
-    return bool(re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.-]*", text)) and not text.startswith(OWN)
+def _is_name(text: str, dots: bool) -> bool:
+    plain = re.fullmatch(r"[A-Za-z_][A-Za-z0-9_.-]*", text) and not text.startswith(OWN)
+    return bool(plain) and (dots or "." not in text)
 
 
-def node_names(result: FitResult) -> dict[tuple[str, str], str]:
+def node_names(result: FitResult, dots: bool = True) -> dict[tuple[str, str], str]:
     """Safe names of all rooms and faces, by ``("room" | "face", id)``; none of them twice."""
     rooms = [("room", room.id) for room in result.rooms]
     faces = [("face", face.id) for face in result.faces]
     # A face and a room may share an id; with the kind in front they cannot share a name.
     shared = {room for _, room in rooms} & {face for _, face in faces}
     keys = {key: f"{key[0]} {key[1]}" if key[1] in shared else key[1] for key in (*rooms, *faces)}
-    names = safe_names(keys.values())
+    names = safe_names(keys.values(), dots)
     return {key: names[text] for key, text in keys.items()}
 
 

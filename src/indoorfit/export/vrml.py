@@ -1,6 +1,5 @@
 """VRML97 (ISO/IEC 14772-1)."""
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,11 +12,8 @@ from .images import image_of, placement_of
 from .numbers import quantity_text
 from .palette import face_colour, material_name
 from .parts import FacePart, face_parts
-from .text import numbers
+from .text import node_names, numbers
 from .view import view_from_above
-
-_FORBIDDEN = re.compile(r"[\x00-\x20\"#',.\[\\\]{}\x7f]")
-"""What a VRML97 name may not hold (4.4.2 and the grammar in annex A)."""
 
 
 def write_vrml(path: Path, result: FitResult) -> None:
@@ -32,11 +28,12 @@ def write_vrml(path: Path, result: FitResult) -> None:
     lines = ["#VRML V2.0 utf8", *_world_info(result), 'NavigationInfo { type [ "EXAMINE", "ANY" ] }']
     lines += ["DEF scan_frame Transform {", f"  translation {numbers(result.frame.origin_scan_m)}"]
     lines += ["  children [", _viewpoint(result)]
+    names = node_names(result, dots=False)
     defined: set[str] = set()
     for mesh in result.meshes:
-        lines += [f"    DEF {_name(mesh.room)} Group {{ children ["]
+        lines += [f"    DEF {names['room', mesh.room]} Group {{ children ["]
         for part in face_parts(result, mesh):
-            lines += _shape(result, part, defined)
+            lines += _shape(result, part, names["face", part.face.id], defined)
         lines += ["    ] }"]
     lines += ["  ]", "}"]
     replace_file(path, ("\n".join(lines) + "\n").encode())
@@ -63,21 +60,21 @@ def _viewpoint(result: FitResult) -> str:
     return f'    Viewpoint {{ description "From above" {pose} }}'
 
 
-def _shape(result: FitResult, part: FacePart, defined: set[str]) -> Iterator[str]:
-    name = material_name(part.face)
-    if name in defined:
-        material = f"USE colour_{name}"
+def _shape(result: FitResult, part: FacePart, name: str, defined: set[str]) -> Iterator[str]:
+    look = material_name(part.face)
+    if look in defined:
+        material = f"USE colour_{look}"
     else:
-        defined.add(name)
+        defined.add(look)
         colour = " ".join(f"{channel / 255.0:.6f}" for channel in face_colour(part.face))
-        material = f"DEF colour_{name} Material {{ diffuseColor {colour} ambientIntensity 0.5 }}"
+        material = f"DEF colour_{look} Material {{ diffuseColor {colour} ambientIntensity 0.5 }}"
     points = part.vertices_m - result.frame.origin_scan_m
     image, placement = image_of(result, part.face), placement_of(result, part.face)
     texture = ""
     if image is not None:
         url = _string(f"{TEXTURE_FOLDER}/{image.name}")
         texture = f" texture ImageTexture {{ url [ {url} ] repeatS FALSE repeatT FALSE }}"
-    yield f"      DEF {_name(part.face.id)} Shape {{"
+    yield f"      DEF {name} Shape {{"
     yield f"        appearance Appearance {{ material {material}{texture} }}"
     yield "        geometry IndexedFaceSet {"
     yield "          ccw TRUE solid TRUE convex TRUE"
@@ -102,8 +99,3 @@ def _rounded(vector: np.ndarray) -> str:
 def _string(text: str) -> str:
     escaped = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'
-
-
-def _name(text: str) -> str:
-    safe = _FORBIDDEN.sub("_", text)
-    return safe if safe and safe[0] not in "0123456789+-" else f"_{safe}"
