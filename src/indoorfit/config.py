@@ -12,7 +12,7 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig
+from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig, TypeBConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -37,6 +37,7 @@ class RunConfig:
     greedy: GreedyConfig = field(default_factory=GreedyConfig)
     joint: JointConfig = field(default_factory=JointConfig)
     belief: BeliefConfig = field(default_factory=BeliefConfig)
+    type_b: TypeBConfig = field(default_factory=TypeBConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:
@@ -53,7 +54,8 @@ def _check_numbers(settings: Any, where: str) -> None:
         if dataclasses.is_dataclass(value):
             _check_numbers(value, f"{name}.")
         elif isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
-            positive = isinstance(value, int) or entry.name.endswith(("_m", "_m2", "_deg"))
+            size = entry.name.endswith(("_m", "_m2", "_deg")) and not entry.name.endswith("_std_m")
+            positive = isinstance(value, int) or size
             if not (value > 0 if positive else value >= 0):
                 needed = "a positive number" if positive else "a number that is not negative"
                 raise ConfigError(f"{name}: got {value}; needed {needed}. Fix: leave it out for the default.")

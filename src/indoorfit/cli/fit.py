@@ -29,6 +29,9 @@ class FitCommand:
     """Unit of the file's coordinates."""
     up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] | None = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    sensor: Literal["unknown", "kinect_v1", "kinect_v1_calibrated", "phone_lidar", "laser"] | None = None
+    """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
+    Default unknown: nothing is added, and the output says so."""
     seed: int | None = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
@@ -52,6 +55,8 @@ class FitCommand:
         config = replace(config, **{name: value for name, value in given.items() if value is not None})
         if self.up is not None:
             config = replace(config, orient=replace(config.orient, up=self.up))
+        if self.sensor is not None:
+            config = replace(config, type_b=replace(config.type_b, sensor=self.sensor))
         scan = read_scan(self.scan, unit=self.unit)
         return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)
 

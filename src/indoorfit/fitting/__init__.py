@@ -9,11 +9,14 @@ from .frames import cells_by_frame as cells_by_frame
 from .greedy import GreedyConfig as GreedyConfig
 from .greedy import GreedyFit as GreedyFit
 from .greedy import fit_greedy as fit_greedy
-from .intervals import Intervals as Intervals
-from .intervals import intervals as intervals
+from .intervals import MeasurandPrediction as MeasurandPrediction
 from .joint import JointConfig as JointConfig
 from .joint import JointFit as JointFit
 from .joint import fit_joint as fit_joint
 from .patches import PatchData as PatchData
 from .residuals import build_cells as build_cells
 from .uncertainty import Cells as Cells
+from .uncertainty import SamplerConfig as SamplerConfig
+from .uncertainty import TypeB as TypeB
+from .uncertainty import TypeBConfig as TypeBConfig
+from .uncertainty import type_b_of as type_b_of

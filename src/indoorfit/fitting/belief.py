@@ -59,12 +59,9 @@ class Belief:
     notes: tuple[Note, ...]
 
 
-_CONDITIONS = (
-    "Intervals assume that the scan's scale is true: an error of scale leaves no trace in the points."
-)
 _BLIND = (
-    "They also assume that different faces were registered independently: without frame ids a whole face "
-    "that slipped leaves no trace either."
+    "Intervals assume that different faces were registered independently: without frame ids a whole face "
+    "that slipped leaves no trace in the points."
 )
 
 
@@ -104,7 +101,7 @@ def believe(
     wall = replace(wall, covariances=wall.covariances + extra)
     if frame_cells is None or pose_obstacle(frame_cells, config.pose_field) is not None:
         noise = dict(wall.noise)
-        noise["explanation"] = f"{noise.pop('sentence')} {_CONDITIONS} {_BLIND}"
+        noise["explanation"] = f"{noise.pop('sentence')} {_BLIND}"
         return Belief(shape, frame, wall, None, 1.0, False, noise, ())
     pose, _ = pose_field_predictive(frame_cells, contrasts, config.pose_field, rng)
     pose = _completed(replace(pose, covariances=pose.covariances + extra), wall)
@@ -152,7 +149,7 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
         "wall_share": share,
         "wall_field": dict(wall.noise),
         "pose_field": dict(pose.noise),
-        "explanation": f"{pose.noise['sentence']} {_CONDITIONS}",
+        "explanation": pose.noise["sentence"],
     }
     return Belief(
         shape=shape.with_offsets(theta[3:]),

@@ -15,6 +15,7 @@ from .grammar import Side as Side
 from .grammar import side_axis as side_axis
 from .grammar import side_sign as side_sign
 from .notes import Note as Note
+from .result import Budget as Budget
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
 from .result import Face as Face
@@ -22,6 +23,7 @@ from .result import FaceKind as FaceKind
 from .result import FitResult as FitResult
 from .result import Frame as Frame
 from .result import Interval as Interval
+from .result import LoaClass as LoaClass
 from .result import Method as Method
 from .result import Quantity as Quantity
 from .result import Room as Room
@@ -30,3 +32,6 @@ from .segments import Segments as Segments
 from .segments import Surfels as Surfels
 from .solid import Polygon as Polygon
 from .solid import RoomSolid as RoomSolid
+from .spread import STANDARD_LEVELS as STANDARD_LEVELS
+from .spread import Prediction as Prediction
+from .spread import Spread as Spread

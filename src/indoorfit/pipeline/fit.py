@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -10,17 +11,20 @@ from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
 from indoorfit.fitting import (
+    Belief,
     Cells,
+    MeasurandPrediction,
     PatchData,
+    TypeB,
     associate,
     believe,
     build_cells,
     cells_by_frame,
     fit_greedy,
     fit_joint,
-    intervals,
+    type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import PlaneEvidence, Verdict, assemble, face_notes, measurands, survey
 from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
 from indoorfit.orient import orient
 from indoorfit.segment import grow_surfaces
@@ -142,6 +146,7 @@ def _measure(
             config.belief,
             rng,
         )
+    type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
@@ -150,7 +155,7 @@ def _measure(
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
-        spread = intervals(belief, values, gradients, config.level)
+        prediction = MeasurandPrediction(belief, values, gradients, type_b)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
     return assemble(
@@ -158,11 +163,11 @@ def _measure(
         belief.frame,
         found,
         PlaneEvidence(data.plane_points, data.coverage, data.plane_rms_m),
-        Spread(spread.std, spread.low, spread.high),
+        prediction,
         Verdict(
             method=config.method,
             level=config.level,
-            noise=belief.noise,
+            noise=_noise(belief, type_b),
             notes=(
                 *notes,
                 *fitted.notes,
@@ -174,6 +179,12 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+
+
+def _noise(belief: Belief, type_b: TypeB) -> dict[str, Any]:
+    """The estimated noise model and what was added to it, with one explanation."""
+    noise = {**belief.noise, "type_b": type_b.as_noise()}
+    return {**noise, "explanation": f"{noise['explanation']} {type_b.sentence}"}
 
 
 def _unseen_told(shape: Shape, data: PatchData) -> Shape:
