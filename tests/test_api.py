@@ -67,7 +67,7 @@ def test_any_level_without_another_fit(virtual_box):
     with pytest.raises(indoorfit.ConfigError, match=r"'Q'.*room-1\.floor_area"):
         model.interval("Q", 0.9)
     with pytest.raises(indoorfit.ConfigError, match="between 0 and 1"):
-        model.interval("A", 95)
+        model.interval("A", 95.0)
 
 
 @pytest.mark.parametrize(
