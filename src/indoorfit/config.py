@@ -12,7 +12,7 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig, TypeBConfig
+from indoorfit.fitting import BeliefConfig, GreedyConfig, HonestyConfig, JointConfig, TypeBConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -38,6 +38,7 @@ class RunConfig:
     joint: JointConfig = field(default_factory=JointConfig)
     belief: BeliefConfig = field(default_factory=BeliefConfig)
     type_b: TypeBConfig = field(default_factory=TypeBConfig)
+    honesty: HonestyConfig = field(default_factory=HonestyConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:

@@ -9,6 +9,9 @@ from .frames import cells_by_frame as cells_by_frame
 from .greedy import GreedyConfig as GreedyConfig
 from .greedy import GreedyFit as GreedyFit
 from .greedy import fit_greedy as fit_greedy
+from .honesty import Evidence as Evidence
+from .honesty import HonestyConfig as HonestyConfig
+from .honesty import honesty_notes as honesty_notes
 from .intervals import MeasurandPrediction as MeasurandPrediction
 from .joint import JointConfig as JointConfig
 from .joint import JointFit as JointFit

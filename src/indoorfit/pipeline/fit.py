@@ -13,6 +13,7 @@ from indoorfit.discover import discover
 from indoorfit.fitting import (
     Belief,
     Cells,
+    Evidence,
     MeasurandPrediction,
     PatchData,
     TypeB,
@@ -22,9 +23,10 @@ from indoorfit.fitting import (
     cells_by_frame,
     fit_greedy,
     fit_joint,
+    honesty_notes,
     type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import PlaneEvidence, Survey, Verdict, assemble, face_notes, measurands, survey
 from indoorfit.model import FaceClass, FitResult, Frame, Note, Scan, Segments, Shape, Surfels, VoxelCloud
 from indoorfit.orient import orient
 from indoorfit.segment import grow_surfaces
@@ -156,6 +158,8 @@ def _measure(
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
         prediction = MeasurandPrediction(belief, values, gradients, type_b)
+    with watch.stage("honesty"):
+        doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
     return assemble(
@@ -173,11 +177,26 @@ def _measure(
                 *fitted.notes,
                 *belief.notes,
                 *face_notes(shape, found),
+                *doubts,
                 *_doubts(closed, fitted.converged),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
         ),
+    )
+
+
+def _honest(
+    scan: Scan, fitted: _Fitted, belief: Belief, found: Survey, config: RunConfig
+) -> tuple[Note, ...]:
+    """Whether the assumptions of the intervals hold, at the fit that the residuals belong to."""
+    faces: dict[int, tuple[str, ...]] = {}
+    for face in found.faces:
+        faces[face.polygon.plane] = (*faces.get(face.polygon.plane, ()), face.id)
+    shape = _unseen_told(fitted.shape, fitted.data)
+    evidence = Evidence(shape, fitted.cells, belief.wall, fitted.data, faces)
+    return honesty_notes(
+        scan, fitted.frame, evidence, config.joint.association, config.belief.wall_field, config.honesty
     )
 
 
