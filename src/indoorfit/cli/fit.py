@@ -2,13 +2,14 @@
 
 import json
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
 from .runtime import set_up_logging
+from .settings import Sensor, Unit, Up, run_config
 
 
 @dataclass(frozen=True)
@@ -25,11 +26,11 @@ class FitCommand:
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
     config: Path | None = None
     """TOML file with settings; options given here win over it."""
-    unit: Literal["m", "cm", "mm", "ft", "in"] = "m"
+    unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] | None = None
+    up: Up | None = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
-    sensor: Literal["unknown", "kinect_v1", "kinect_v1_calibrated", "phone_lidar", "laser"] | None = None
+    sensor: Sensor | None = None
     """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
     Default unknown: nothing is added, and the output says so."""
     seed: int | None = None
@@ -46,17 +47,11 @@ class FitCommand:
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
         set_up_logging(self.quiet, self.verbose)
-        from indoorfit.config import RunConfig, load_config
         from indoorfit.io import check_output_directory, read_scan
 
         check_output_directory(self.out, overwrite=self.overwrite)
-        config = load_config(self.config) if self.config else RunConfig()
         given = {"method": self.method, "level": self.level, "seed": self.seed}
-        config = replace(config, **{name: value for name, value in given.items() if value is not None})
-        if self.up is not None:
-            config = replace(config, orient=replace(config.orient, up=self.up))
-        if self.sensor is not None:
-            config = replace(config, type_b=replace(config.type_b, sensor=self.sensor))
+        config = run_config(self.config, self.up, self.sensor, **given)
         scan = read_scan(self.scan, unit=self.unit)
         return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)
 

@@ -13,6 +13,7 @@ import tyro  # noqa: E402  (NumPy must not be loaded before the lines above)
 
 from indoorfit.errors import IndoorfitError  # noqa: E402
 
+from .compare import CompareCommand  # noqa: E402
 from .demo import DemoCommand  # noqa: E402
 from .fit import FitCommand  # noqa: E402
 from .info import InfoCommand  # noqa: E402
@@ -20,6 +21,7 @@ from .simulate import SimulateCommand  # noqa: E402
 
 Command = (
     Annotated[FitCommand, tyro.conf.subcommand("fit")]
+    | Annotated[CompareCommand, tyro.conf.subcommand("compare")]
     | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
     | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
     | Annotated[InfoCommand, tyro.conf.subcommand("info")]

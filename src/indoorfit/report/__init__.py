@@ -9,3 +9,6 @@ from .render import View as View
 from .render import render_png as render_png
 from .svg import to_svg as to_svg
 from .table import dimension_table as dimension_table
+from .versus import versus_document as versus_document
+from .versus import versus_table as versus_table
+from .versus_picture import versus_picture as versus_picture

@@ -75,7 +75,7 @@ def plan_picture(result: FitResult, points_m: Float[np.ndarray, "points 3"] | No
     placements, cramped = place_spans(spans_of(result, outline), outline, board)
     names += name_walls(outline, board, short=True)
     arrows = [item for placement in placements for item in draw_placement(placement)]
-    drawing = [*_rooms(outline), *_scan(result, outline, points_m), *_walls(outline)]
+    drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_walls(outline)]
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
     marks = [*names, *arrows]
     drawing += [item for item in marks if not isinstance(item, Label)]
@@ -126,7 +126,9 @@ def _walls(outline: Outline) -> list[Item]:
     return items
 
 
-def _scan(result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None) -> list[Item]:
+def scan_dots(
+    result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None
+) -> list[Item]:
     """The scan between floor and ceiling as faint dots, one per cell of the page, darker where dense."""
     if points_m is None or not len(points_m):
         return []
