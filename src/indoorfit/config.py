@@ -12,7 +12,14 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fitting import BeliefConfig, GreedyConfig, HonestyConfig, JointConfig, TypeBConfig
+from indoorfit.fitting import (
+    BeliefConfig,
+    GreedyConfig,
+    HonestyConfig,
+    JointConfig,
+    SamplerConfig,
+    TypeBConfig,
+)
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
@@ -28,6 +35,9 @@ class RunConfig:
     """Nominal coverage of the intervals, between 0.5 and 0.999."""
     seed: int = 0
     """Seed of everything random: the same seed gives the same bytes."""
+    sample: bool = False
+    """Sample the scales of the noise model by Markov chains (emcee) in place of the analytic approximation:
+    slower by some seconds, within a few per cent of it, and a check of it."""
     thin: ThinConfig = field(default_factory=ThinConfig)
     surfels: SurfelConfig = field(default_factory=SurfelConfig)
     orient: OrientConfig = field(default_factory=OrientConfig)
@@ -38,6 +48,7 @@ class RunConfig:
     joint: JointConfig = field(default_factory=JointConfig)
     belief: BeliefConfig = field(default_factory=BeliefConfig)
     type_b: TypeBConfig = field(default_factory=TypeBConfig)
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
     honesty: HonestyConfig = field(default_factory=HonestyConfig)
 
     def __post_init__(self) -> None:

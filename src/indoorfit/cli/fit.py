@@ -33,6 +33,9 @@ class FitCommand:
     sensor: Sensor | None = None
     """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
     Default unknown: nothing is added, and the output says so."""
+    sample: bool = False
+    """Sample the noise model by Markov chains (emcee) instead of the analytic approximation; refuses to
+    report from chains that have not converged."""
     seed: int | None = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
@@ -51,6 +54,7 @@ class FitCommand:
 
         check_output_directory(self.out, overwrite=self.overwrite)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
+        given["sample"] = self.sample or None
         config = run_config(self.config, self.up, self.sensor, **given)
         scan = read_scan(self.scan, unit=self.unit)
         return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)

@@ -49,9 +49,14 @@ def loa_classes(values: Float[np.ndarray, " n"], prediction: Prediction) -> tupl
     spread = prediction.at(_LOA_LEVEL)
     n = len(values)
     halves_m = np.maximum(values - spread.low[:n], spread.high[:n] - values)
-    return tuple(
-        next((name for limit_m, name in _LOA_LIMITS_M if half_m <= limit_m), "LOA10") for half_m in halves_m
-    )
+    return tuple(_loa_class(float(half_m)) for half_m in halves_m)
+
+
+def _loa_class(half_m: float) -> LoaClass:
+    for limit_m, name in _LOA_LIMITS_M:
+        if half_m <= limit_m:
+            return name
+    return "LOA10"
 
 
 def quantities(

@@ -147,6 +147,7 @@ def _measure(
             fitted.pixel_m,
             config.belief,
             rng,
+            config.sampler if config.sample else None,
         )
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)

@@ -100,7 +100,7 @@ def length_pairs(
     A length that comes several times (both long walls of a box and its overall extent) counts once.
     """
     if joint is None or greedy is None or matched is None:
-        return [(d, None) for d in _once(joint)] + [(None, d) for d in _once(greedy)]
+        return [*((d, None) for d in _once(joint)), *((None, d) for d in _once(greedy))]
     known_joint = {d.id: d for d in joint.dimensions}
     known_greedy = {d.id: d for d in greedy.dimensions}
     found = {check.truth: check.model for check in matched.lengths}
