@@ -48,7 +48,11 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--method", nargs="+", choices=("joint", "greedy"), default=["joint"])
     parser.add_argument("--frame-ids", action="store_true", help="keep and use the frame of every point")
     parser.add_argument(
-        "--levels", nargs="+", type=float, default=[0.95], help="nominal coverages; the first is scored"
+        "--levels",
+        nargs="+",
+        type=float,
+        default=[0.95],
+        help="nominal coverages; the first is scored, all come from one fit",
     )
     parser.add_argument("--out", type=Path, help="folder for results, table and pictures")
     parser.add_argument("--baseline", type=Path, default=BASELINE)

@@ -14,6 +14,7 @@ from benchmarks.suites import SUITES
 from indoorfit import IndoorfitError, RunConfig
 from indoorfit.evaluate import Comparison, LengthCheck, compare, isprs_curves
 from indoorfit.fitting import BeliefConfig
+from indoorfit.measure import at_level
 from indoorfit.model import Face, FitResult, Frame, Scan
 from indoorfit.pipeline import fit_scan, truth_result
 from indoorfit.simulate import VirtualScan
@@ -62,7 +63,9 @@ def judge(job: Job) -> Outcome:
         isprs = (curves.completeness[0], curves.correctness[0], curves.accuracy_m[0])
         notes = tuple(sorted({note.code for note in run.result.notes}))
         faults = _faults(job.suite, comparison, notes)
-        others = {level: _lengths(_fit(scan, job, level).result, truth) for level in job.levels[1:]}
+        others = {
+            level: _at_level(comparison.lengths, at_level(run.result, level)) for level in job.levels[1:]
+        }
     return Outcome(
         job=job,
         right=not faults,
@@ -105,8 +108,18 @@ def _fit(scan: Scan, job: Job, level: float) -> _Run:
     return _Run(result, fault, crashed, cpu_s, wall_s, _peak_mb())
 
 
-def _lengths(result: FitResult | None, truth: FitResult) -> tuple[LengthCheck, ...]:
-    return () if result is None else compare(result, truth).lengths
+def _at_level(checks: tuple[LengthCheck, ...], result: FitResult) -> tuple[LengthCheck, ...]:
+    """The same lengths with the intervals of the same model at another level."""
+    intervals = {d.id: d.quantity.interval for d in result.dimensions}
+    return tuple(
+        replace(
+            check,
+            level=result.level,
+            low_m=intervals[check.model].low,
+            high_m=intervals[check.model].high,
+        )
+        for check in checks
+    )
 
 
 def _faults(suite: str, comparison: Comparison, notes: tuple[str, ...]) -> tuple[str, ...]:

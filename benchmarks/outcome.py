@@ -17,7 +17,7 @@ class Job:
     method: str
     frame_ids: bool
     levels: tuple[float, ...]
-    """Nominal coverages; the first is the one that is scored, each further one costs another fit."""
+    """Nominal coverages; the first is the one that is scored; all come from one fit."""
 
     @property
     def run(self) -> str:

@@ -40,10 +40,10 @@ _PANE_M = 0.01
 """Thickness of a wall that is all glass."""
 
 _BARE = RandomSceneSettings(n_furniture=0, n_windows=0, n_doors=0)
-_FURNISHED = RandomSceneSettings(n_furniture=5, n_windows=2, n_doors=1, uneven_m=0.005)
+FURNISHED = RandomSceneSettings(n_furniture=5, n_windows=2, n_doors=1, uneven_m=0.005)
 _SECTORS = Registration(rms_m=0.02, rotation_rad_per_m=0.35, walk_share=0.0, jump_share=1.0)
 """2 cm and 0.4 degrees, constant within each of eight sectors of the path."""
-_SLIPPED = Registration(rms_m=0.005, slip_share=0.15)
+SLIPPED = Registration(rms_m=0.005, slip_share=0.15)
 _STATIONS = Registration(rms_m=0.003, walk_share=0.0)
 """Stations of a laser scanner do not drift; each is placed on its own."""
 
@@ -98,13 +98,14 @@ def _nested(seed: int) -> VirtualScan:
     return sample_surface(shape, SamplingSettings(**_random_pose(rng)), rng)
 
 
-def _scanned(
+def scanned(
     seed: int,
     registration: Registration,
     settings: RandomSceneSettings = _BARE,
     walls: tuple[int, ...] = (4, 6, 8, 10),
+    sensor: str = "kinect_v1",
 ) -> VirtualScan:
-    """A room scanned with a hand-held Kinect."""
+    """A room scanned with a hand-held depth camera."""
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, replace(settings, n_walls=int(rng.choice(walls))))
     if settings.glass_wall:
@@ -115,12 +116,12 @@ def _scanned(
     style = "spin" if rng.random() < 0.5 and settings.n_rooms == 1 else "walk"
     path = handheld_path(scene, n_frames, rng, style)
     pose = ScanSettings(pixel_step=_PIXEL_STEP, n_threads=1, **_random_pose(rng))
-    return virtual_scan(scene, load_sensor("kinect_v1"), path, registration, rng, pose)
+    return virtual_scan(scene, load_sensor(sensor), path, registration, rng, pose)
 
 
 def _laser(seed: int) -> VirtualScan:
     rng = np.random.default_rng(seed)
-    scene = random_scene(rng, replace(_FURNISHED, n_walls=int(rng.choice([4, 6, 8, 10]))))
+    scene = random_scene(rng, replace(FURNISHED, n_walls=int(rng.choice([4, 6, 8, 10]))))
     # Fewer than three leave whole walls of concave rooms unseen, and no structure to be right about.
     path = stations(scene, int(rng.integers(3, 6)), rng)
     pose = ScanSettings(pixel_step=4, n_threads=1, **_random_pose(rng))
@@ -128,17 +129,17 @@ def _laser(seed: int) -> VirtualScan:
 
 
 def _glass(seed: int) -> VirtualScan:
-    return _scanned(seed, regime("5mm"), replace(_BARE, glass_wall=True))
+    return scanned(seed, regime("5mm"), replace(_BARE, glass_wall=True))
 
 
 def _rooms(seed: int) -> VirtualScan:
-    return _scanned(seed, regime("5mm"), replace(_FURNISHED, n_rooms=2 + seed % 3))
+    return scanned(seed, regime("5mm"), replace(FURNISHED, n_rooms=2 + seed % 3))
 
 
 def _steps(seed: int) -> VirtualScan:
     """A platform, a beam, or both."""
     settings = replace(_BARE, floor_step=seed % 3 != 1, beam=seed % 3 != 0)
-    return _scanned(seed, regime("5mm"), settings, (4, 6, 8))
+    return scanned(seed, regime("5mm"), settings, (4, 6, 8))
 
 
 SUITES: dict[str, Suite] = {
@@ -158,30 +159,30 @@ SUITES: dict[str, Suite] = {
     "nested": Suite("8 to 14 walls, nested notches and pillars", _nested),
     "clutter": Suite(
         "Kinect, 5 mm drift, furniture, windows, a door, uneven walls",
-        lambda seed: _scanned(seed, regime("5mm"), _FURNISHED),
+        lambda seed: scanned(seed, regime("5mm"), FURNISHED),
     ),
     "hidden": Suite(
         "the same with a bookcase over half of the longest wall",
-        lambda seed: _scanned(seed, regime("5mm"), replace(_FURNISHED, bookcase=True)),
+        lambda seed: scanned(seed, regime("5mm"), replace(FURNISHED, bookcase=True)),
     ),
     "glass": Suite("Kinect, 5 mm drift, one wall all glass", _glass),
-    "drift5mm": Suite("Kinect, bare room, 5 mm drift", lambda seed: _scanned(seed, regime("5mm"))),
-    "drift2cm": Suite("Kinect, bare room, 2 cm drift", lambda seed: _scanned(seed, regime("2cm"))),
-    "drift5cm": Suite("Kinect, bare room, 5 cm drift", lambda seed: _scanned(seed, regime("5cm"))),
+    "drift5mm": Suite("Kinect, bare room, 5 mm drift", lambda seed: scanned(seed, regime("5mm"))),
+    "drift2cm": Suite("Kinect, bare room, 2 cm drift", lambda seed: scanned(seed, regime("2cm"))),
+    "drift5cm": Suite("Kinect, bare room, 5 cm drift", lambda seed: scanned(seed, regime("5cm"))),
     "slipped": Suite(
         "Kinect, 5 mm drift, 15 % of the frames slipped by 6 cm and 1 degree",
-        lambda seed: _scanned(seed, _SLIPPED),
+        lambda seed: scanned(seed, SLIPPED),
     ),
     "reg": Suite(
         "Kinect, 2 cm and 0.4 degrees per sector, a bookcase over half of a wall",
-        lambda seed: _scanned(seed, _SECTORS, replace(_BARE, bookcase=True)),
+        lambda seed: scanned(seed, _SECTORS, replace(_BARE, bookcase=True)),
     ),
     "laser": Suite("terrestrial laser, 3 to 5 stations, furnished", _laser),
     "rooms": Suite("2 to 4 rooms joined by doors, furnished, Kinect, 5 mm drift", _rooms),
     "steps": Suite("a platform or a beam or both, Kinect, 5 mm drift", _steps),
     "oblique": Suite(
         "a corner cut off; right is who says OBLIQUE_WALLS",
-        lambda seed: _scanned(seed, regime("5mm"), replace(_BARE, oblique=True)),
+        lambda seed: scanned(seed, regime("5mm"), replace(_BARE, oblique=True)),
         must_say="OBLIQUE_WALLS",
     ),
 }

@@ -56,6 +56,20 @@ def test_the_model_shows_itself(virtual_box):
     assert model.warnings == ()
 
 
+def test_any_level_without_another_fit(virtual_box):
+    model = indoorfit.fit(virtual_box.scan)
+    stated = model.dimensions[0].quantity.interval
+    assert model.interval("A", 0.95) == stated
+    wide, narrow = model.interval("A", 0.999), model.interval("A", 0.3)
+    assert wide.low < stated.low < narrow.low < narrow.high < stated.high < wide.high
+    assert model.interval("room-1.volume", 0.95) == model.rooms[0].volume.interval
+    assert model.at_level(0.3).dimensions[0].quantity.interval == narrow
+    with pytest.raises(indoorfit.ConfigError, match=r"'Q'.*room-1\.floor_area"):
+        model.interval("Q", 0.9)
+    with pytest.raises(indoorfit.ConfigError, match="between 0 and 1"):
+        model.interval("A", 95.0)
+
+
 @pytest.mark.parametrize(
     "points",
     [np.zeros((3, 3)), np.zeros((100, 2)), np.full((100, 3), np.nan), np.zeros((0, 3))],

@@ -31,7 +31,8 @@ def finished(tmp_path_factory):
         sys.executable, "-m", "benchmarks", "sparse", "--rooms", "2", "--seed", "7", "--jobs", "1",
         "--out", str(folder / "out"), "--baseline", str(folder / "baseline.json"), "--accept",
     ]  # fmt: skip
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    path = [ROOT, *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, path))}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder, done.stdout

@@ -12,6 +12,7 @@ from .errors import ConfigError as ConfigError
 from .errors import IndoorfitError as IndoorfitError
 from .errors import InputError as InputError
 from .errors import OutputError as OutputError
+from .errors import SamplingError as SamplingError
 
 if TYPE_CHECKING:
     from .api import RoomModel as RoomModel
@@ -37,6 +38,7 @@ __all__ = [
     "OutputError",
     "RoomModel",
     "RunConfig",
+    "SamplingError",
     "Scan",
     "fit",
     "load_config",

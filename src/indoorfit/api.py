@@ -1,15 +1,17 @@
 """The same as the command line, in a few lines of Python."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from indoorfit.config import RunConfig
+from indoorfit.errors import ConfigError
 from indoorfit.files import FormatName
 from indoorfit.io import read_scan, scan_from_arrays
-from indoorfit.model import Dimension, Face, FitResult, Note, Pictures, Room, Scan
+from indoorfit.measure import at_level
+from indoorfit.model import Dimension, Face, FitResult, Interval, Note, Pictures, Room, Scan
 from indoorfit.pipeline import fit_scan, write_outputs
 from indoorfit.report import dimension_table, plan_svg
 
@@ -41,6 +43,38 @@ class RoomModel:
     def warnings(self) -> tuple[Note, ...]:
         """What a reader of the numbers must know."""
         return self.result.notes
+
+    def at_level(self, level: float) -> "RoomModel":
+        """The same model with all intervals at another level of confidence; nothing is fitted again.
+
+        Args:
+            level: nominal coverage, between 0 and 1.
+
+        Raises:
+            ConfigError: the level is not between 0 and 1.
+        """
+        return replace(self, result=at_level(self.result, level))
+
+    def interval(self, name: str, level: float) -> Interval:
+        """The interval of one quantity at any level.
+
+        Args:
+            name: the id of a dimension (``"A"``), or a room's quantity: ``"room-1.floor_area"``,
+                ``"room-1.perimeter"`` or ``"room-1.volume"``.
+            level: nominal coverage, between 0 and 1.
+
+        Raises:
+            ConfigError: there is no such quantity, or the level is not between 0 and 1.
+        """
+        result = at_level(self.result, level)
+        known = {d.id: d.quantity for d in result.dimensions}
+        for room in result.rooms:
+            known[f"{room.id}.floor_area"] = room.floor_area
+            known[f"{room.id}.perimeter"] = room.perimeter
+            known[f"{room.id}.volume"] = room.volume
+        if name not in known:
+            raise ConfigError(f"interval: got {name!r}. Fix: choose one of {', '.join(known)}.")
+        return known[name].interval
 
     def write(
         self, directory: str | Path, *, overwrite: bool = False, formats: Sequence[FormatName] = ()

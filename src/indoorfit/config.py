@@ -12,7 +12,14 @@ from cattrs.gen import make_dict_structure_fn
 from indoorfit.classify import ClassifyConfig
 from indoorfit.discover import DiscoverConfig
 from indoorfit.errors import ConfigError
-from indoorfit.fitting import BeliefConfig, GreedyConfig, JointConfig
+from indoorfit.fitting import (
+    BeliefConfig,
+    GreedyConfig,
+    HonestyConfig,
+    JointConfig,
+    SamplerConfig,
+    TypeBConfig,
+)
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.texture import TextureConfig
@@ -29,6 +36,9 @@ class RunConfig:
     """Nominal coverage of the intervals, between 0.5 and 0.999."""
     seed: int = 0
     """Seed of everything random: the same seed gives the same bytes."""
+    sample: bool = False
+    """Sample the scales of the noise model by Markov chains (emcee) in place of the analytic approximation:
+    slower by some seconds, within a few per cent of it, and a check of it."""
     thin: ThinConfig = field(default_factory=ThinConfig)
     surfels: SurfelConfig = field(default_factory=SurfelConfig)
     orient: OrientConfig = field(default_factory=OrientConfig)
@@ -39,6 +49,9 @@ class RunConfig:
     joint: JointConfig = field(default_factory=JointConfig)
     belief: BeliefConfig = field(default_factory=BeliefConfig)
     texture: TextureConfig = field(default_factory=TextureConfig)
+    type_b: TypeBConfig = field(default_factory=TypeBConfig)
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
+    honesty: HonestyConfig = field(default_factory=HonestyConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:
@@ -55,7 +68,8 @@ def _check_numbers(settings: Any, where: str) -> None:
         if dataclasses.is_dataclass(value):
             _check_numbers(value, f"{name}.")
         elif isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
-            positive = isinstance(value, int) or entry.name.endswith(("_m", "_m2", "_deg"))
+            size = entry.name.endswith(("_m", "_m2", "_deg")) and not entry.name.endswith("_std_m")
+            positive = isinstance(value, int) or size
             if not (value > 0 if positive else value >= 0):
                 needed = "a positive number" if positive else "a number that is not negative"
                 raise ConfigError(f"{name}: got {value}; needed {needed}. Fix: leave it out for the default.")

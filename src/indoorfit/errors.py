@@ -17,5 +17,9 @@ class ConfigError(IndoorfitError):
     """A setting is unknown or has an impossible value."""
 
 
+class SamplingError(IndoorfitError):
+    """Markov chains were asked for and have not converged, so there is nothing to report from them."""
+
+
 class OutputError(IndoorfitError):
     """The result cannot be written where it should go."""

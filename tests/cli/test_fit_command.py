@@ -197,3 +197,24 @@ def test_points_that_are_not_finite_are_dropped_and_counted(run_cli, tmp_path):
     outcome = run_cli("fit", path, "--out", tmp_path / "out")
     assert outcome.code == 0
     assert "Dropped 200 of 20000" in outcome.out + outcome.err
+
+
+def test_unconverged_chains_write_nothing(run_cli, room_ply, tmp_path):
+    settings = tmp_path / "short.toml"
+    settings.write_text("[sampler]\nwalkers = 16\ncheck_steps = 20\nmax_steps = 20\n")
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--config", settings, "--sample", "--quiet")
+    assert outcome.code == 1
+    assert "have not converged" in outcome.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_sensor_adds_its_scale_to_every_length(run_cli, room_ply, tmp_path):
+    outcome = run_cli("fit", room_ply, "--out", tmp_path / "out", "--sensor", "kinect_v1", "--json")
+    document = json.loads(outcome.out)
+    assert document["noise"]["type_b"]["scale_std"] == 0.004
+    assert "Kinect" in document["noise"]["explanation"]
+    for dimension in document["dimensions"]:
+        budget = dimension["budget"]
+        assert budget["scale_std"] == pytest.approx(0.004 * dimension["value"], rel=1e-9)
+        assert budget["definition_std"] == pytest.approx(0.002, rel=1e-9)
+        assert 1.9 < dimension["coverage_factor"] < 2.2

@@ -1,9 +1,19 @@
 """Intervals of measurands follow from those of the planes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from indoorfit.fitting import BeliefConfig, JointConfig, believe, fit_joint, intervals
+from indoorfit.fitting import (
+    BeliefConfig,
+    JointConfig,
+    MeasurandPrediction,
+    TypeBConfig,
+    believe,
+    fit_joint,
+    type_b_of,
+)
 from synthetic import virtual
 
 PIXEL_M = 0.15
@@ -15,11 +25,12 @@ def fitted():
     return fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
 
 
-def spread_of(fit, gradients, level=0.95, seed=0, values=None):
+def spread_of(fit, gradients, level=0.95, seed=0, values=None, type_b=None):
     gradients = np.asarray(gradients, float)
     values = gradients @ fit.shape.offsets_m if values is None else values
     rng = np.random.default_rng(seed)
-    return intervals(belief_of(fit, rng), values, gradients, level)
+    added = type_b_of(TypeBConfig() if type_b is None else type_b)
+    return MeasurandPrediction(belief_of(fit, rng), values, gradients, added).at(level)
 
 
 def belief_of(fit, rng):
@@ -60,6 +71,48 @@ def test_spread_does_not_depend_on_the_value(fitted):
     np.testing.assert_allclose(far.low - 1000.0, near.low, atol=1e-9)
 
 
+def test_every_level_comes_from_one_belief(fitted):
+    values = rows(fitted, (2, 3)) @ fitted.shape.offsets_m
+    belief = belief_of(fitted, np.random.default_rng(0))
+    prediction = MeasurandPrediction(belief, values, rows(fitted, (2, 3)))
+    # The same draws as a run that was asked for that level: bitwise.
+    for level in (0.5, 0.99):
+        alone = spread_of(fitted, rows(fitted, (2, 3)), level)
+        np.testing.assert_array_equal(prediction.at(level).low, alone.low)
+        np.testing.assert_array_equal(prediction.at(level).high, alone.high)
+
+
+def test_a_value_away_from_the_centre_lies_within_its_interval(fitted):
+    """A greedy plane stays where greedy put it: 2 cm off, an interval of a millimetre would miss both."""
+    moved = fitted.shape.offsets_m + np.array([0, 0, 0, 0.02, 0, 0])
+    gradient = rows(fitted, (2, 3))
+    belief = belief_of(fitted, np.random.default_rng(0))
+    elsewhere = replace(belief, shape=belief.shape.with_offsets(moved))
+    spread, value = MeasurandPrediction(elsewhere, gradient @ moved, gradient).at(0.95), gradient @ moved
+    centred = spread_of(fitted, gradient)
+    # GUM F.2.4.5: U + |b| about the value, which holds the interval about the centre.
+    assert np.all((spread.low < value) & (value < spread.high))
+    half = 0.5 * (centred.high - centred.low)
+    np.testing.assert_allclose(0.5 * (spread.high - spread.low), half + 0.02, atol=0.2 * half[0])
+    assert np.all((spread.low <= centred.low + 0.2 * half) & (centred.high - 0.2 * half <= spread.high))
+
+
+def test_scale_grows_with_the_power_of_the_length_and_definition_with_the_walls(fitted):
+    offsets = fitted.shape.offsets_m
+    length, width = offsets[1] - offsets[0], offsets[3] - offsets[2]
+    area = np.array([[-width, width, -length, length, 0.0, 0.0]])
+    settings = TypeBConfig(scale_std=0.004, definition_std_m=0.002)
+    gradients, values = np.vstack([rows(fitted, (0, 1)), area]), np.array([length, length * width])
+    found = spread_of(fitted, gradients, values=values, type_b=settings)
+    # Rounding: u_s L, and twice the relative figure for an area.
+    np.testing.assert_allclose(found.scale_std, 0.004 * np.array([length, 2 * length * width]), rtol=1e-9)
+    # A length ends at two walls with u_def / sqrt(2) each; an area at four.
+    assert found.definition_std[0] == pytest.approx(0.002, rel=1e-9)
+    assert found.definition_std[1] == pytest.approx(0.002 * np.hypot(length, width), rel=1e-9)
+    parts = found.data_std**2 + found.scale_std**2 + found.definition_std**2
+    np.testing.assert_allclose(found.std**2, parts, rtol=1e-12)
+
+
 def test_a_measurand_without_parameters_has_no_spread(fitted):
     found = spread_of(fitted, np.vstack([rows(fitted, (2, 3)), np.zeros((1, 6))]))
     assert found.std[1] == pytest.approx(0.0, abs=1e-12)
@@ -73,7 +126,7 @@ def test_same_seed_same_numbers(fitted):
 
 def test_noise_model_is_explained_in_words(fitted):
     noise = belief_of(fitted, np.random.default_rng(0)).noise
-    assert "scale" in noise["explanation"]
+    assert "registered independently" in noise["explanation"]
     assert all(isinstance(name, str) for name in noise)
 
 

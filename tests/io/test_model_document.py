@@ -29,6 +29,9 @@ CONTRACT = {
 }
 
 
+OPTIONAL = {"coverage_factor", "budget", "intervals", "loa"}
+
+
 def below(document, path):
     for key in path:
         document = document[key]
@@ -36,9 +39,11 @@ def below(document, path):
 
 
 def required_paths(value, path=()):
-    """The path of every key in the document, except in the free-form parts."""
+    """The path of every key in the document, except in the free-form parts and of those that may lack."""
     if isinstance(value, dict) and path[:1] not in (("noise",), ("provenance",)):
         for key, item in value.items():
+            if key in OPTIONAL:
+                continue
             yield (*path, key)
             yield from required_paths(item, (*path, key))
     elif isinstance(value, list):
@@ -76,6 +81,21 @@ def test_schema_and_reader_refuse_a_document_that_lacks_any_field(tmp_path, resu
         if not derived:
             with pytest.raises(InputError, match=f"{path[-1]} is missing".replace("+", r"\+")):
                 read_model_json(tmp_path / "model.json")
+
+
+def test_a_document_without_the_optional_fields_is_read(tmp_path, result):
+    def bare(value):
+        if isinstance(value, dict):
+            return {key: bare(item) for key, item in value.items() if key not in OPTIONAL}
+        return [bare(item) for item in value] if isinstance(value, list) else value
+
+    document = bare(to_document(result))
+    VALIDATOR.validate(document)
+    (tmp_path / "model.json").write_text(json.dumps(document))
+    found = read_model_json(tmp_path / "model.json")
+    assert found.dimensions[0].loa is None
+    assert found.dimensions[0].quantity.budget is None
+    assert found.dimensions[0].quantity.intervals == ()
 
 
 def test_cubes_carry_their_boxes_in_the_manhattan_frame(result):

@@ -9,9 +9,8 @@ from PIL import Image
 from rooms import BOX, FLAT, L_ROOM, RAGGED, make_result
 
 from indoorfit.export import face_colour
-from indoorfit.model import Interval, Note, Quantity
+from indoorfit.model import Note
 from indoorfit.report import View, dimension_table, plan_svg, render_png, report_html
-from indoorfit.report.facts import loa_band
 
 
 def test_table_columns_line_up_and_hold_every_dimension():
@@ -95,18 +94,6 @@ def test_page_escapes_every_text_of_the_result():
     tags = parse(report_html(result, "<svg></svg>"))
     assert "script" not in tags.seen
     assert evil in tags.text
-
-
-@pytest.mark.parametrize(
-    ("half_mm", "band"), [(0.9, "LOA50"), (3.0, "LOA40"), (12.0, "LOA30"), (40.0, "LOA20"), (60.0, "LOA10")]
-)
-def test_accuracy_bands_are_those_of_usibd(half_mm, band):
-    half_m = half_mm / 1000.0
-    at_95 = Quantity(3.0, half_m / 1.96, Interval(0.95, 3.0 - half_m, 3.0 + half_m))
-    assert loa_band(at_95) == band
-    # The same knowledge at one sigma: 68.27 % of a normal distribution.
-    at_68 = Quantity(3.0, half_m / 1.96, Interval(0.6827, 3.0 - half_m / 1.96, 3.0 + half_m / 1.96))
-    assert loa_band(at_68) == band
 
 
 def read_pixels(path) -> np.ndarray:

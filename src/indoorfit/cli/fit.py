@@ -11,6 +11,7 @@ import tyro
 from indoorfit.files import FormatName, check_output_directory
 
 from .runtime import set_up_logging
+from .settings import Sensor, Unit, Up, run_config
 from .texture_options import Textures
 
 
@@ -28,10 +29,16 @@ class FitCommand:
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
     config: Path | None = None
     """TOML file with settings; options given here win over it."""
-    unit: Literal["m", "cm", "mm", "ft", "in"] = "m"
+    unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] | None = None
+    up: Up | None = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    sensor: Sensor | None = None
+    """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
+    Default unknown: nothing is added, and the output says so."""
+    sample: bool = False
+    """Sample the noise model by Markov chains (emcee) instead of the analytic approximation; refuses to
+    report from chains that have not converged."""
     format: tuple[FormatName, ...] = ()
     """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
     seed: int | None = None
@@ -49,7 +56,6 @@ class FitCommand:
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
         set_up_logging(self.quiet, self.verbose)
-        from indoorfit.config import RunConfig, load_config
         from indoorfit.io import read_scan
 
         check_output_directory(self.out, overwrite=self.overwrite)
@@ -57,11 +63,9 @@ class FitCommand:
             from indoorfit.pipeline import check_formats
 
             check_formats(self.format)
-        config = load_config(self.config) if self.config else RunConfig()
         given = {"method": self.method, "level": self.level, "seed": self.seed}
-        config = replace(config, **{name: value for name, value in given.items() if value is not None})
-        if self.up is not None:
-            config = replace(config, orient=replace(config.orient, up=self.up))
+        given["sample"] = self.sample or None
+        config = run_config(self.config, self.up, self.sensor, **given)
         config = replace(config, texture=self.textures.settings(config.texture))
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)

@@ -13,6 +13,7 @@ import tyro  # noqa: E402  (NumPy must not be loaded before the lines above)
 
 from indoorfit.errors import IndoorfitError  # noqa: E402
 
+from .compare import CompareCommand  # noqa: E402
 from .convert import ConvertCommand  # noqa: E402
 from .demo import DemoCommand  # noqa: E402
 from .fit import FitCommand  # noqa: E402
@@ -22,6 +23,7 @@ from .simulate import SimulateCommand  # noqa: E402
 Command = (
     Annotated[FitCommand, tyro.conf.subcommand("fit")]
     | Annotated[ConvertCommand, tyro.conf.subcommand("convert")]
+    | Annotated[CompareCommand, tyro.conf.subcommand("compare")]
     | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
     | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
     | Annotated[InfoCommand, tyro.conf.subcommand("info")]

@@ -6,11 +6,12 @@ import math
 from pathlib import Path
 
 from indoorfit.files import replace_file
-from indoorfit.model import FitResult
+from indoorfit.model import Dimension, FitResult
 
 _COLUMNS = (
     "id", "kind", "room", "wall", "face_from", "face_to", "value_m", "std_m", "level", "low_m", "high_m",
-    "status", "from_x_m", "from_y_m", "from_z_m", "to_x_m", "to_y_m", "to_z_m",
+    "status", "from_x_m", "from_y_m", "from_z_m", "to_x_m", "to_y_m", "to_z_m", "data_std_m", "scale_std_m",
+    "definition_std_m", "coverage_factor", "effective_dof", "loa",
 )  # fmt: skip
 
 
@@ -40,9 +41,21 @@ def write_dimensions_csv(path: Path, result: FitResult) -> None:
                 _number(interval.high),
                 d.status,
                 *map(_number, points),
+                *_uncertainty(d),
             ]
         )
     replace_file(path, text.getvalue().encode())
+
+
+def _uncertainty(dimension: Dimension) -> list[str]:
+    """Budget, coverage factor, degrees of freedom (empty where infinite) and Level of Accuracy."""
+    factor, budget = dimension.quantity.coverage_factor, dimension.quantity.budget
+    numbers = [""] * 5
+    if budget is not None:
+        parts = (budget.data_std, budget.scale_std, budget.definition_std)
+        numbers = [*map(_number, parts), "", _number(budget.effective_dof)]
+    numbers[3] = "" if factor is None else _number(factor)
+    return [*numbers, dimension.loa or ""]
 
 
 def _number(value: float) -> str:

@@ -75,15 +75,8 @@ def _associate(
     parts: list[Patches] = []
     n_planes = len(shape.planes)
     n_points, rms_m, coverage = np.zeros(n_planes, int), np.zeros(n_planes), np.zeros(n_planes)
-    for exposure in exposures(shape):
-        plane = shape.planes[exposure.plane]
-        # Whatever stands near an unseen wall is not that wall.
-        seen = points_m if plane.status == "observed" else points_m[:0]
-        rivals_m = [
-            other.offset_m for other in shape.planes if other.axis == plane.axis and other is not plane
-        ]
-        chosen = _claim(seen, exposure, plane.offset_m, rivals_m, config)
-        claimed = points_m[chosen]
+    for exposure, chosen in zip(exposures(shape), claims(points_m, shape, config), strict=True):
+        plane, claimed = shape.planes[exposure.plane], points_m[chosen]
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)
         n_points[exposure.plane] = len(residuals_m)
@@ -92,6 +85,28 @@ def _associate(
         frames = None if frame_index is None else frame_index[chosen]
         parts.append(summarise(claimed, frames, exposure, plane.offset_m, patch_m, config.min_points))
     return PatchData(joined(parts), n_points, rms_m, coverage)
+
+
+def claims(
+    points_m: Float[np.ndarray, "points 3"], shape: Shape, config: AssociationConfig
+) -> tuple[Int[np.ndarray, " _"], ...]:
+    """Indices of the points that belong to each plane, in the order of `shape.planes`.
+
+    Args:
+        points_m: Manhattan frame, metres.
+        shape: planes near their final places (within half the reach).
+        config: see `AssociationConfig`.
+    """
+    found = []
+    for exposure in exposures(shape):
+        plane = shape.planes[exposure.plane]
+        # Whatever stands near an unseen wall is not that wall.
+        seen = points_m if plane.status == "observed" else points_m[:0]
+        rivals_m = [
+            other.offset_m for other in shape.planes if other.axis == plane.axis and other is not plane
+        ]
+        found.append(_claim(seen, exposure, plane.offset_m, rivals_m, config))
+    return tuple(found)
 
 
 def _claim(

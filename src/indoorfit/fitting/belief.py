@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
+from indoorfit.errors import SamplingError
 from indoorfit.geometry import exposures, room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
@@ -17,10 +18,12 @@ from .uncertainty import (
     FusionConfig,
     PoseFieldConfig,
     Predictive,
+    SamplerConfig,
     WallFieldConfig,
     fuse,
     pose_field_predictive,
     pose_obstacle,
+    sample_wall_field,
     wall_field_predictive,
 )
 
@@ -59,12 +62,9 @@ class Belief:
     notes: tuple[Note, ...]
 
 
-_CONDITIONS = (
-    "Intervals assume that the scan's scale is true: an error of scale leaves no trace in the points."
-)
 _BLIND = (
-    "They also assume that different faces were registered independently: without frame ids a whole face "
-    "that slipped leaves no trace either."
+    "Intervals assume that different faces were registered independently: without frame ids a whole face "
+    "that slipped leaves no trace in the points."
 )
 
 
@@ -77,6 +77,7 @@ def believe(
     inferred_std_m: float,
     config: BeliefConfig,
     rng: np.random.Generator,
+    sampler: SamplerConfig | None = None,
 ) -> Belief:
     """Distribution of rotation and plane offsets.
 
@@ -95,20 +96,52 @@ def believe(
         inferred_std_m: standard uncertainty of planes without points.
         config: see `BeliefConfig`.
         rng: for the draws of the noise scales.
+        sampler: draw the wall field's noise scales by Markov chains; None takes the analytic approximation.
+
+    Raises:
+        SamplingError: the chains have not converged; nothing is reported from them.
     """
     theta = np.concatenate([np.zeros(3), shape.offsets_m])
     contrasts = Contrasts(_parallel_gaps(shape), theta)
     everything = with_inferred(cells, shape, inferred_std_m)
     extra = np.diag(np.concatenate([np.zeros(3), np.square(edge_exchange_std(shape, plane_rms_m))]))
-    wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
+    if sampler is None:
+        wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
+    else:
+        wall = _sampled(everything, contrasts, config, sampler, rng)
     wall = replace(wall, covariances=wall.covariances + extra)
     if frame_cells is None or pose_obstacle(frame_cells, config.pose_field) is not None:
         noise = dict(wall.noise)
-        noise["explanation"] = f"{noise.pop('sentence')} {_CONDITIONS} {_BLIND}"
+        noise["explanation"] = f"{noise.pop('sentence')} {_BLIND}"
         return Belief(shape, frame, wall, None, 1.0, False, noise, ())
     pose, _ = pose_field_predictive(frame_cells, contrasts, config.pose_field, rng)
     pose = _completed(replace(pose, covariances=pose.covariances + extra), wall)
     return _fused(wall, pose, shape, frame, config.fusion)
+
+
+def _sampled(
+    cells: Cells,
+    contrasts: Contrasts,
+    config: BeliefConfig,
+    sampler: SamplerConfig,
+    rng: np.random.Generator,
+) -> Predictive:
+    """The wall field by Markov chains, or no answer at all."""
+    answer = sample_wall_field(cells, contrasts, config.wall_field, sampler, rng)
+    if answer.predictive is None:
+        raise SamplingError(
+            f"sample: after {answer.diagnostics.steps} steps the chains have not converged, so nothing is "
+            f"reported from them: {answer.diagnostics.status} Or leave --sample out: the analytic intervals "
+            "need no chain."
+        )
+    noise = dict(answer.predictive.noise)
+    chain = noise["sampler"]
+    told = (
+        f"These figures are sampled by Markov chains of {chain['steps']} steps (split R-hat "
+        f"{chain['rhat']:.3f}, {chain['effective']:.0f} effective draws)."
+    )
+    noise["sentence"] = f"{noise['sentence']} {told}"
+    return replace(answer.predictive, noise=noise)
 
 
 def _parallel_gaps(shape: Shape) -> Float[np.ndarray, "gaps params"]:
@@ -152,7 +185,7 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
         "wall_share": share,
         "wall_field": dict(wall.noise),
         "pose_field": dict(pose.noise),
-        "explanation": f"{pose.noise['sentence']} {_CONDITIONS}",
+        "explanation": pose.noise["sentence"],
     }
     return Belief(
         shape=shape.with_offsets(theta[3:]),

@@ -1,60 +1,93 @@
-"""Standard uncertainties and intervals of anything that is smooth in the plane offsets."""
+"""What is believed of the planes carried over to anything that is smooth in them, at any level."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.model import Spread
+
 from .belief import Belief
-from .uncertainty import Predictive
+from .uncertainty import TypeB, expand_ends
+from .uncertainty.cells import ROTATIONS
 
 
 @dataclass(frozen=True)
-class Intervals:
-    """One entry per measurand."""
-
-    std: Float[np.ndarray, " measurands"]
-    low: Float[np.ndarray, " measurands"]
-    high: Float[np.ndarray, " measurands"]
-
-
-def intervals(
-    belief: Belief,
-    values: Float[np.ndarray, " measurands"],
-    gradients: Float[np.ndarray, "measurands planes"],
-    level: float,
-) -> Intervals:
-    """Propagate what is believed of the planes to measurands.
+class MeasurandPrediction:
+    """The distribution of every measurand: a `model.Prediction`.
 
     First order in the offsets: exact for lengths; for areas the neglected term is the product of two
     offset errors, a millionth of a square metre for errors of a millimetre.
-
-    Args:
-        belief: of the planes.
-        values: of the measurands at `belief.shape`, their own unit.
-        gradients: unit per metre.
-        level: nominal coverage.
     """
-    matrix = np.concatenate([np.zeros((len(gradients), 3)), gradients], axis=1)
-    std, low, high = _spread(belief.wall.with_contrasts(matrix), level)
-    if belief.pose is not None:
-        pose = _spread(belief.pose.with_contrasts(matrix), level)
-        if belief.torn:
-            low, high = np.minimum(low, pose[1]), np.maximum(high, pose[2])
-            # A uniform distribution over the hull.
-            std = np.maximum(std, (high - low) / np.sqrt(12.0))
-        else:
-            share = belief.wall_share
-            std, low, high = (
-                share * a + (1.0 - share) * b for a, b in zip((std, low, high), pose, strict=True)
-            )
-    # Quantiles of linear functions of the offsets; the measurand itself may have a constant besides.
-    shift = values - gradients @ belief.shape.offsets_m
-    return Intervals(std, low + shift, high + shift)
 
+    belief: Belief
+    values: Float[np.ndarray, " measurands"]
+    """At `belief.shape`, each in its own unit."""
+    gradients: Float[np.ndarray, "measurands planes"]
+    """With respect to the plane offsets, unit per metre."""
+    type_b: TypeB = field(default_factory=TypeB)
+    """Added in quadrature."""
 
-def _spread(
-    predictive: Predictive, level: float
-) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
-    low, high = predictive.interval(level)
-    return predictive.std, low, high
+    def at(self, level: float) -> Spread:
+        """Standard uncertainties, their parts, and intervals of this nominal coverage.
+
+        Source: JCGM 100:2008, 5.1.2 and 6.3; F.2.4.5 for a value that is not the centre.
+        """
+        std, low, high, centre, dof = self._data(level)
+        if not self.belief.torn:
+            # A value that was not moved to the centre of its distribution, as the greedy one, is off by a
+            # known amount: U + |b| about the value.
+            off = self.values - centre
+            std, low, high = np.hypot(std, off), low + off - np.abs(off), high + off + np.abs(off)
+        # The definition's figure is that of a distance of two planes.
+        per_plane_m = self.type_b.definition_std_m / np.sqrt(2.0)
+        expanded = expand_ends(
+            centre=np.clip(self.values, low, high),
+            std=std,
+            ends=(low, high),
+            scale_std=self.type_b.scale_std * np.abs(self._grown),
+            definition_std=per_plane_m * np.linalg.norm(self.gradients, axis=1),
+            data_dof=dof,
+            scale_dof=self.type_b.scale_dof,
+            level=level,
+        )
+        return Spread(
+            level=level,
+            low=expanded.low,
+            high=expanded.high,
+            std=expanded.std,
+            data_std=expanded.data_std,
+            scale_std=expanded.scale_std,
+            definition_std=expanded.definition_std,
+            effective_dof=expanded.effective_dof,
+        )
+
+    @property
+    def _grown(self) -> Float[np.ndarray, " measurands"]:
+        """By how much each measurand grows per unit of relative scale: once a length, twice an area."""
+        return self.gradients @ self.belief.shape.offsets_m
+
+    def _data(self, level: float) -> tuple[Float[np.ndarray, " measurands"], ...]:
+        """Standard deviation, interval, mean and degrees of freedom from the scan alone."""
+        belief = self.belief
+        matrix = np.concatenate([np.zeros((len(self.gradients), ROTATIONS)), self.gradients], axis=1)
+        wall = belief.wall.with_contrasts(matrix)
+        low, high = wall.interval(level)
+        parts = (wall.std, low, high, wall.mean)
+        dof = wall.variance_dof
+        if belief.pose is not None:
+            pose = belief.pose.with_contrasts(matrix)
+            pose_low, pose_high = pose.interval(level)
+            dof = np.minimum(dof, pose.variance_dof)
+            if belief.torn:
+                low, high = np.minimum(low, pose_low), np.maximum(high, pose_high)
+                # A uniform distribution over the hull.
+                std = np.maximum(wall.std, (high - low) / np.sqrt(12.0))
+                parts = (std, low, high, wall.mean)
+            else:
+                share = belief.wall_share
+                others = (pose.std, pose_low, pose_high, pose.mean)
+                parts = tuple(share * a + (1.0 - share) * b for a, b in zip(parts, others, strict=True))
+        # So far these are linear functions of the offsets; the measurand may have a constant besides.
+        shift = self.values - self._grown
+        return parts[0], parts[1] + shift, parts[2] + shift, parts[3] + shift, dof

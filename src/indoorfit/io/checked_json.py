@@ -33,6 +33,12 @@ class JsonNode:
             JsonNode(None, self.file, self._below(key)).fail("missing", "a value")
         return JsonNode(self.value[key], self.file, self._below(key))
 
+    def optional(self, key: str) -> "JsonNode":
+        """The value under a key; null where there is none."""
+        if isinstance(self.value, dict) and key not in self.value:
+            return JsonNode(None, self.file, self._below(key))
+        return self[key]
+
     def items(self) -> Iterator["JsonNode"]:
         """The elements of a list."""
         if not isinstance(self.value, list):

@@ -1,8 +1,8 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
 Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room`` and ``wall`` of
-dimensions.
+``converged``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``, ``wall`` and
+``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
 """
 
 import json
@@ -22,6 +22,7 @@ from ..model import (
     Dimension,
     Face,
     FitResult,
+    Interval,
     Plane,
     Quantity,
     Room,
@@ -91,16 +92,28 @@ def _numbers(array: np.ndarray) -> list:
 
 
 def _quantity(quantity: Quantity) -> dict[str, Any]:
-    interval = quantity.interval
-    return {
+    document = {
         "value": float(quantity.value),
         "std": float(quantity.std),
-        "interval": {
-            "level": float(interval.level),
-            "low": float(interval.low),
-            "high": float(interval.high),
-        },
+        "interval": _interval(quantity.interval),
+        "coverage_factor": quantity.coverage_factor,
+        "budget": None,
+        "intervals": [_interval(interval) for interval in quantity.intervals],
     }
+    budget = quantity.budget
+    if budget is not None:
+        finite = math.isfinite(budget.effective_dof)
+        document["budget"] = {
+            "data_std": float(budget.data_std),
+            "scale_std": float(budget.scale_std),
+            "definition_std": float(budget.definition_std),
+            "effective_dof": float(budget.effective_dof) if finite else None,
+        }
+    return document
+
+
+def _interval(interval: Interval) -> dict[str, float]:
+    return {"level": float(interval.level), "low": float(interval.low), "high": float(interval.high)}
 
 
 def _room(room: Room) -> dict[str, Any]:
@@ -168,6 +181,7 @@ def _dimension(dimension: Dimension) -> dict[str, Any]:
         "to": _numbers(dimension.to_m),
         **_quantity(dimension.quantity),
         "status": dimension.status,
+        "loa": dimension.loa,
     }
 
 

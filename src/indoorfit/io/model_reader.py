@@ -1,5 +1,6 @@
 """Reading ``model.json`` back, for later conversion."""
 
+import math
 from pathlib import Path
 from typing import get_args
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from ..model import (
     SIDES,
+    Budget,
     Cube,
     Dimension,
     DimensionKind,
@@ -16,6 +18,7 @@ from ..model import (
     FitResult,
     Frame,
     Interval,
+    LoaClass,
     Method,
     Note,
     Plane,
@@ -116,11 +119,27 @@ def _side_plane(node: JsonNode, planes: tuple[Plane, ...], side: str, parent: st
 
 
 def _quantity(node: JsonNode) -> Quantity:
-    interval = node["interval"]
+    budget, others = node.optional("budget"), node.optional("intervals")
     return Quantity(
         value=node["value"].number(),
         std=node["std"].number(),
-        interval=Interval(interval["level"].number(), interval["low"].number(), interval["high"].number()),
+        interval=_interval(node["interval"]),
+        budget=None if budget.value is None else _budget(budget),
+        intervals=() if others.value is None else tuple(_interval(item) for item in others.items()),
+    )
+
+
+def _interval(node: JsonNode) -> Interval:
+    return Interval(node["level"].number(), node["low"].number(), node["high"].number())
+
+
+def _budget(node: JsonNode) -> Budget:
+    dof = node["effective_dof"]
+    return Budget(
+        data_std=node["data_std"].number(),
+        scale_std=node["scale_std"].number(),
+        definition_std=node["definition_std"].number(),
+        effective_dof=math.inf if dof.value is None else dof.number(),
     )
 
 
@@ -164,6 +183,7 @@ def _dimension(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, .
     faces = [_reference(face, face_ids, "face") for face in node["faces"].items()]
     if len(faces) != 2:
         node["faces"].fail(f"a list of {len(faces)}", "a list of 2")
+    loa = node.optional("loa")
     return Dimension(
         id=node["id"].text(),
         kind=node["kind"].choice(*get_args(DimensionKind)),
@@ -174,6 +194,7 @@ def _dimension(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, .
         to_m=node["to"].array(3),
         quantity=_quantity(node),
         status=node["status"].choice(*get_args(PlaneStatus)),
+        loa=None if loa.value is None else loa.choice(*get_args(LoaClass)),
     )
 
 

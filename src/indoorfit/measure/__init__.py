@@ -1,10 +1,11 @@
 """A fitted shape and its solids -> named faces, dimensions and their intervals."""
 
 from .assemble import PlaneEvidence as PlaneEvidence
-from .assemble import Spread as Spread
 from .assemble import Verdict as Verdict
 from .assemble import assemble as assemble
 from .assemble import measurands as measurands
+from .levels import ExactPrediction as ExactPrediction
+from .levels import at_level as at_level
 from .remarks import face_notes as face_notes
 from .survey import Measurand as Measurand
 from .survey import Survey as Survey

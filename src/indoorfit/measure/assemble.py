@@ -12,16 +12,18 @@ from indoorfit.model import (
     Face,
     FitResult,
     Frame,
-    Interval,
+    LoaClass,
     Method,
     Note,
     PlaneStatus,
+    Prediction,
     Quantity,
     Room,
     RoomMesh,
     Shape,
 )
 
+from .levels import loa_classes, quantities
 from .survey import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
 
 
@@ -33,15 +35,6 @@ class PlaneEvidence:
     """(planes,) points claimed."""
     coverage: Float[np.ndarray, " planes"]
     rms_m: Float[np.ndarray, " planes"]
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Standard uncertainty and interval of every measurand, in the order of `measurands`."""
-
-    std: Float[np.ndarray, " measurands"]
-    low: Float[np.ndarray, " measurands"]
-    high: Float[np.ndarray, " measurands"]
 
 
 @dataclass(frozen=True)
@@ -65,7 +58,12 @@ def measurands(found: Survey, n_planes: int) -> tuple[Measurand, ...]:
 
 
 def assemble(
-    shape: Shape, frame: Frame, found: Survey, evidence: PlaneEvidence, spread: Spread, verdict: Verdict
+    shape: Shape,
+    frame: Frame,
+    found: Survey,
+    evidence: PlaneEvidence,
+    prediction: Prediction,
+    verdict: Verdict,
 ) -> FitResult:
     """Build the result.
 
@@ -74,27 +72,24 @@ def assemble(
         frame: fitted pose.
         found: what there is to measure.
         evidence: per plane.
-        spread: per measurand, in the order of `measurands`.
+        prediction: per measurand, in the order of `measurands`.
         verdict: method, noise, warnings, provenance.
     """
-    quantities = [
-        Quantity(m.value, float(std), Interval(verdict.level, float(low), float(high)))
-        for m, std, low, high in zip(
-            measurands(found, len(shape.planes)), spread.std, spread.low, spread.high, strict=True
-        )
-    ]
+    values = np.array([measurand.value for measurand in measurands(found, len(shape.planes))])
+    known = quantities(values, prediction, verdict.level)
     n = len(found.dimensions)
     n_rooms = 3 * len(found.rooms)
-    offsets = quantities[n + n_rooms :]
+    offsets = known[n + n_rooms :]
+    classes = loa_classes(values[:n], prediction)
     return FitResult(
         method=verdict.method,
         level=verdict.level,
         frame=frame,
         shape=shape,
-        rooms=tuple(_room(room, quantities[n + 3 * k : n + 3 * k + 3]) for k, room in enumerate(found.rooms)),
+        rooms=tuple(_room(room, known[n + 3 * k : n + 3 * k + 3]) for k, room in enumerate(found.rooms)),
         faces=tuple(_face(face, shape, frame, evidence, offsets) for face in found.faces),
         dimensions=tuple(
-            _dimension(dimension, _letters(k), quantities[k], shape, frame)
+            _dimension(dimension, _letters(k), known[k], classes[k], shape, frame)
             for k, dimension in enumerate(found.dimensions)
         ),
         meshes=tuple(_mesh(room, found, frame) for room in found.rooms),
@@ -102,6 +97,7 @@ def assemble(
         notes=verdict.notes,
         provenance=verdict.provenance,
         converged=verdict.converged,
+        prediction=prediction,
     )
 
 
@@ -115,8 +111,8 @@ def _letters(k: int) -> str:
     return name
 
 
-def _room(room: NamedRoom, quantities: Sequence[Quantity]) -> Room:
-    floor_area, volume, perimeter = quantities
+def _room(room: NamedRoom, known: Sequence[Quantity]) -> Room:
+    floor_area, volume, perimeter = known
     return Room(room.id, room.cube, floor_area, volume, perimeter)
 
 
@@ -146,7 +142,12 @@ def _face(
 
 
 def _dimension(
-    dimension: NamedDimension, letters: str, quantity: Quantity, shape: Shape, frame: Frame
+    dimension: NamedDimension,
+    letters: str,
+    quantity: Quantity,
+    loa: LoaClass,
+    shape: Shape,
+    frame: Frame,
 ) -> Dimension:
     inferred = any(shape.planes[k].status == "inferred" for k in dimension.planes)
     status: PlaneStatus = "inferred" if inferred else "observed"
@@ -160,6 +161,7 @@ def _dimension(
         to_m=frame.to_scan(dimension.to_m),
         quantity=quantity,
         status=status,
+        loa=loa,
     )
 
 

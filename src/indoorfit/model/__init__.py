@@ -19,6 +19,7 @@ from .picture import Camera as Camera
 from .picture import CameraImage as CameraImage
 from .picture import Photo as Photo
 from .picture import Pictures as Pictures
+from .result import Budget as Budget
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
 from .result import Face as Face
@@ -26,6 +27,7 @@ from .result import FaceKind as FaceKind
 from .result import FitResult as FitResult
 from .result import Frame as Frame
 from .result import Interval as Interval
+from .result import LoaClass as LoaClass
 from .result import Method as Method
 from .result import Quantity as Quantity
 from .result import Room as Room
@@ -34,6 +36,9 @@ from .segments import Segments as Segments
 from .segments import Surfels as Surfels
 from .solid import Polygon as Polygon
 from .solid import RoomSolid as RoomSolid
+from .spread import STANDARD_LEVELS as STANDARD_LEVELS
+from .spread import Prediction as Prediction
+from .spread import Spread as Spread
 from .texture import TEXTURE_FOLDER as TEXTURE_FOLDER
 from .texture import FaceTexture as FaceTexture
 from .texture import ImageFormat as ImageFormat

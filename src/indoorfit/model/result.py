@@ -1,7 +1,7 @@
 """What a fit says, in the terms of the output contract ``indoorfit.model/1``."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
+from .spread import Prediction
 from .texture import TextureSet
 
 Method = Literal["joint", "greedy", "truth"]
@@ -16,6 +17,8 @@ Method = Literal["joint", "greedy", "truth"]
 
 FaceKind = Literal["wall", "floor", "ceiling"]
 DimensionKind = Literal["wall", "height", "overall"]
+LoaClass = Literal["LOA10", "LOA20", "LOA30", "LOA40", "LOA50"]
+"""Level of Accuracy (USIBD C120): LOA10 is the coarsest, LOA50 the finest."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +52,39 @@ class Interval:
 
 
 @dataclass(frozen=True)
+class Budget:
+    """What a standard uncertainty is made of (JCGM 100, 5.1), in the unit of its quantity."""
+
+    data_std: float
+    """Seen in the residuals of the scan (Type A)."""
+    scale_std: float
+    """From a possible error of the scan's scale (Type B)."""
+    definition_std: float
+    """From what the wall is taken to be (Type B)."""
+    effective_dof: float
+    """Degrees of freedom of the combined standard uncertainty (JCGM 100, G.4); may be infinite."""
+
+
+@dataclass(frozen=True)
 class Quantity:
     """A value with its standard uncertainty and interval, all in the same unit (m, m² or m³)."""
 
     value: float
     std: float
+    """Combined standard uncertainty u_c."""
     interval: Interval
+    """At the level that was asked for."""
+    budget: Budget | None = None
+    """Where `std` comes from; None where nothing is known of that."""
+    intervals: tuple[Interval, ...] = ()
+    """The same at the standard levels of 50, 80, 90, 95 and 99 %."""
+
+    @property
+    def coverage_factor(self) -> float | None:
+        """k: half the width of the interval over the standard uncertainty; None for an exact value."""
+        if self.std == 0.0:
+            return None
+        return (self.interval.high - self.interval.low) / (2.0 * self.std)
 
 
 @dataclass(frozen=True)
@@ -84,7 +114,8 @@ class Face:
     coverage: float
     """Share of the face's area that points were seen on, 0 to 1."""
     rms_m: float
-    """Root mean square distance of those points from the plane; 0 without points."""
+    """Spread of those points about the plane, 0 without points: the standard deviation of a normal
+    distribution with their median absolute deviation, which single points far off do not move."""
     status: PlaneStatus
 
 
@@ -106,6 +137,8 @@ class Dimension:
     """Scan frame, the opposite point on the second face."""
     quantity: Quantity
     status: PlaneStatus
+    loa: LoaClass | None = None
+    """The class that its half width at 95 % belongs to, at whatever level `quantity` is stated."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +184,9 @@ class FitResult:
     """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
     textures: TextureSet | None = None
     """Images on the faces; None where there are no colours, or none were wanted."""
+    prediction: Prediction | None = field(default=None, repr=False, compare=False)
+    """Intervals at any level, for dimensions, rooms and plane offsets in the order of `measure.measurands`;
+    None for a result that was read from a file."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

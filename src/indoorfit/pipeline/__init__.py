@@ -8,3 +8,5 @@ from .formats import format_of as format_of
 from .meshes import with_meshes as with_meshes
 from .outputs import write_outputs as write_outputs
 from .truth import truth_result as truth_result
+from .versus import Versus as Versus
+from .versus import fit_both as fit_both

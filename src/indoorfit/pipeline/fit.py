@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -10,17 +11,22 @@ from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
 from indoorfit.fitting import (
+    Belief,
     Cells,
+    Evidence,
+    MeasurandPrediction,
     PatchData,
+    TypeB,
     associate,
     believe,
     build_cells,
     cells_by_frame,
     fit_greedy,
     fit_joint,
-    intervals,
+    honesty_notes,
+    type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import PlaneEvidence, Survey, Verdict, assemble, face_notes, measurands, survey
 from indoorfit.model import (
     FaceClass,
     FitResult,
@@ -171,7 +177,9 @@ def _measure(
             fitted.pixel_m,
             config.belief,
             rng,
+            config.sampler if config.sample else None,
         )
+    type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
@@ -180,7 +188,9 @@ def _measure(
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
-        spread = intervals(belief, values, gradients, config.level)
+        prediction = MeasurandPrediction(belief, values, gradients, type_b)
+    with watch.stage("honesty"):
+        doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
     return assemble(
@@ -188,22 +198,43 @@ def _measure(
         belief.frame,
         found,
         PlaneEvidence(data.plane_points, data.coverage, data.plane_rms_m),
-        Spread(spread.std, spread.low, spread.high),
+        prediction,
         Verdict(
             method=config.method,
             level=config.level,
-            noise=belief.noise,
+            noise=_noise(belief, type_b),
             notes=(
                 *notes,
                 *fitted.notes,
                 *belief.notes,
                 *face_notes(shape, found),
+                *doubts,
                 *_doubts(closed, fitted.converged),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
         ),
     )
+
+
+def _honest(
+    scan: Scan, fitted: _Fitted, belief: Belief, found: Survey, config: RunConfig
+) -> tuple[Note, ...]:
+    """Whether the assumptions of the intervals hold, at the fit that the residuals belong to."""
+    faces: dict[int, tuple[str, ...]] = {}
+    for face in found.faces:
+        faces[face.polygon.plane] = (*faces.get(face.polygon.plane, ()), face.id)
+    shape = _unseen_told(fitted.shape, fitted.data)
+    evidence = Evidence(shape, fitted.cells, belief.wall, fitted.data, faces)
+    return honesty_notes(
+        scan, fitted.frame, evidence, config.joint.association, config.belief.wall_field, config.honesty
+    )
+
+
+def _noise(belief: Belief, type_b: TypeB) -> dict[str, Any]:
+    """The estimated noise model and what was added to it, with one explanation."""
+    noise = {**belief.noise, "type_b": type_b.as_noise()}
+    return {**noise, "explanation": f"{noise['explanation']} {type_b.sentence}"}
 
 
 def _unseen_told(shape: Shape, data: PatchData) -> Shape:

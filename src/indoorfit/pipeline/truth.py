@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from indoorfit.measure import PlaneEvidence, Spread, Survey, Verdict, assemble, measurands, survey
+from indoorfit.measure import ExactPrediction, PlaneEvidence, Survey, Verdict, assemble, measurands, survey
 from indoorfit.measure.survey import NamedFace
 from indoorfit.model import Cube, FitResult, Frame, Note, Polygon, Shape, Side
 from indoorfit.simulate import VirtualScan, cut_planes, seen_of_planes
@@ -49,7 +49,7 @@ def truth_result(
         frame,
         found,
         evidence,
-        Spread(np.zeros(len(values)), values, values),
+        ExactPrediction(values),
         Verdict(
             method="truth",
             level=_LEVEL,

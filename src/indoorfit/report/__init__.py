@@ -15,3 +15,6 @@ from .sheet import plan_layout as plan_layout
 from .sheet import plan_sheet as plan_sheet
 from .svg import to_svg as to_svg
 from .table import dimension_table as dimension_table
+from .versus import versus_document as versus_document
+from .versus import versus_table as versus_table
+from .versus_picture import versus_picture as versus_picture

@@ -1,6 +1,7 @@
 """The report as one page that needs nothing else: no scripts, no fonts, no network."""
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 from indoorfit.export import quantity_text
 from indoorfit.model import FitResult, Quantity
 
-from .facts import input_name, level_text, loa_band
+from .facts import input_name, level_text
 from .style import STYLE
 from .table import what_is_measured
 from .textures import texture_rows
@@ -63,20 +64,38 @@ def _dimensions(result: FitResult) -> list[str]:
             ("id", d.id),
             ("", what_is_measured(d, several)),
             *_number_cells(d.quantity, 3, 4),
-            ("", loa_band(d.quantity)),
+            *_budget_cells(d.quantity),
+            ("", d.loa or ""),
             (d.status, d.status),
         )
         for d in result.dimensions
     ]
-    head = ("Id", "What", "Value, m", f"Interval, {level_text(result.level)}", "Accuracy", "Status")
+    level = level_text(result.level)
+    head = (
+        "Id", "What", "Value, m", f"Interval, {level}", "u scan, mm", "u scale, mm", "u definition, mm",
+        "k", "Degrees of freedom", "Accuracy", "Status",
+    )  # fmt: skip
     return [
         "<section><h2>Dimensions</h2>",
         _table(head, rows),
-        '<p class="quiet">Clear lengths between mean wall planes. Accuracy is the USIBD Level of Accuracy '
-        "that the half width at 95 % belongs to: LOA20 15 to 50 mm, LOA30 5 to 15 mm, LOA40 1 to 5 mm, LOA50 "
-        "below 1 mm; LOA10 is worse than 50 mm. An inferred dimension ends at a face without points.</p>"
-        "</section>",
+        '<p class="quiet">Clear lengths between mean wall planes. The columns u are standard uncertainties: '
+        "what the residuals of the scan show, a possible error of its scale, and where the wall is (plaster, "
+        "skirting). Their squares add up; k times the root is half the interval (JCGM 100). Accuracy is the "
+        "USIBD Level of Accuracy that the half width at 95 % belongs to: LOA20 15 to 50 mm, LOA30 5 to 15, "
+        "LOA40 1 to 5 mm, LOA50 below 1 mm; LOA10 is worse than 50 mm. An inferred dimension ends at a face "
+        "without points.</p></section>",
     ]
+
+
+def _budget_cells(quantity: Quantity) -> tuple[tuple[str, str], ...]:
+    """Parts of the standard uncertainty in millimetres, coverage factor, degrees of freedom."""
+    factor, budget = quantity.coverage_factor, quantity.budget
+    k = "" if factor is None else f"{factor:.2f}"
+    if budget is None:
+        return (("number", ""),) * 3 + (("number", k), ("number", ""))
+    parts = (budget.data_std, budget.scale_std, budget.definition_std)
+    dof = f"{budget.effective_dof:.0f}" if math.isfinite(budget.effective_dof) else "∞"
+    return (*(("number", f"{1e3 * part:.2g}") for part in parts), ("number", k), ("number", dof))
 
 
 def _rooms(result: FitResult) -> list[str]:

@@ -78,7 +78,7 @@ def plan_picture(
     plan = layout or lay_out(result)
     outline = plan.outline
     arrows = [item for placement in plan.placements for item in draw_placement(placement)]
-    drawing = [*_rooms(outline), *_scan(result, outline, points_m), *_walls(outline)]
+    drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_walls(outline)]
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
     marks = [*plan.names, *arrows]
     drawing += [item for item in marks if not isinstance(item, Label)]
@@ -131,7 +131,9 @@ def _walls(outline: Outline) -> list[Item]:
     return items
 
 
-def _scan(result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None) -> list[Item]:
+def scan_dots(
+    result: FitResult, outline: Outline, points_m: Float[np.ndarray, "points 3"] | None
+) -> list[Item]:
     """The scan between floor and ceiling as faint dots, one per cell of the page, darker where dense."""
     if points_m is None or not len(points_m):
         return []

@@ -20,7 +20,7 @@ def dimension_table(result: FitResult) -> str:
     blocks = []
     if result.dimensions:
         rows = [_dimension_row(d, _several_rooms(result)) for d in result.dimensions]
-        blocks.append(_aligned(("id", "what", "value m", f"interval at {level}", "status"), rows))
+        blocks.append(aligned(("id", "what", "value m", f"interval at {level}", "status"), rows))
     if result.rooms:
         rows = [
             (room.id, name, *_numbers(quantity), unit)
@@ -31,7 +31,7 @@ def dimension_table(result: FitResult) -> str:
                 ("perimeter", room.perimeter, "m"),
             )
         ]
-        blocks.append(_aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
+        blocks.append(aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
     if result.notes:
         blocks.append("\n".join(f"warning {note.code}: {note.message}" for note in result.notes))
     if not result.converged:
@@ -61,7 +61,7 @@ def _numbers(quantity: Quantity) -> tuple[str, str]:
     return text.value, text.spread
 
 
-def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Columns as wide as their widest cell, decimal points below each other, a rule below the head."""
     rows = _points_aligned(head, rows)
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]

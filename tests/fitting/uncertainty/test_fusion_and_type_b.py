@@ -7,8 +7,9 @@ from indoorfit.fitting.uncertainty import (
     FusionConfig,
     Predictive,
     TypeBConfig,
-    expand_dimensions,
+    expand_ends,
     fuse,
+    type_b_of,
 )
 
 
@@ -62,6 +63,37 @@ def test_unmeasured_member_gets_no_weight() -> None:
     assert fused.std[0] == pytest.approx(0.01, rel=1e-6) or np.isinf(fused.std[0])
 
 
+def expand_dimensions(answer, level, config):
+    """Lengths with Type B added."""
+    added = type_b_of(config)
+    return expand_ends(
+        centre=answer.mean,
+        std=answer.std,
+        ends=answer.interval(level),
+        scale_std=added.scale_std * np.abs(answer.mean),
+        definition_std=np.full(len(answer.mean), added.definition_std_m),
+        data_dof=answer.variance_dof,
+        scale_dof=added.scale_dof,
+        level=level,
+    )
+
+
+def test_an_unknown_sensor_adds_nothing_and_says_so() -> None:
+    added = type_b_of(TypeBConfig())
+    assert (added.scale_std, added.definition_std_m) == (0.0, 0.0)
+    assert "no sensor was named" in added.sentence
+    assert "measure one length" in added.sentence
+
+
+def test_settings_win_over_the_sensor_and_are_named_as_the_source() -> None:
+    kinect = type_b_of(TypeBConfig(sensor="kinect_v1"))
+    assert (kinect.scale_std, kinect.definition_std_m) == (0.004, 0.002)
+    measured = type_b_of(TypeBConfig(sensor="kinect_v1", scale_std=0.0005, definition_std_m=0.0))
+    assert (measured.scale_std, measured.definition_std_m) == (0.0005, 0.0)
+    assert "settings" in measured.source
+    assert "0.05 %" in measured.sentence
+
+
 def test_type_b_parts_add_in_quadrature() -> None:
     answer = gaussian([5.0], [0.003])
     config = TypeBConfig(scale_std=0.002, definition_std_m=0.004)
@@ -70,7 +102,6 @@ def test_type_b_parts_add_in_quadrature() -> None:
     assert expanded.std[0] == pytest.approx(combined, rel=1e-12)
     # For a Gaussian, stretching about the median is the Gaussian of the combined width.
     assert expanded.high[0] - 5.0 == pytest.approx(1.959964 * combined, rel=1e-6)
-    assert expanded.coverage_factor[0] == pytest.approx(1.959964, rel=1e-6)
 
 
 def test_type_b_switched_off_returns_the_data_interval() -> None:
@@ -81,7 +112,9 @@ def test_type_b_switched_off_returns_the_data_interval() -> None:
 
 
 def test_perfect_data_leave_the_type_b_interval() -> None:
-    expanded = expand_dimensions(gaussian([4.0], [0.0]), 0.95, TypeBConfig(0.001, 50.0, 0.0))
+    expanded = expand_dimensions(
+        gaussian([4.0], [0.0]), 0.95, TypeBConfig(scale_std=0.001, definition_std_m=0.0)
+    )
     assert expanded.high[0] - expanded.low[0] == pytest.approx(2 * 1.959964 * 0.004, rel=1e-6)
     assert expanded.effective_dof[0] == pytest.approx(50.0)
 

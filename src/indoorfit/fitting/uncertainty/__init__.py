@@ -21,8 +21,9 @@ from .predictive import DerivedQuantities as DerivedQuantities
 from .predictive import Distribution as Distribution
 from .predictive import Predictive as Predictive
 from .type_b import ExpandedUncertainty as ExpandedUncertainty
+from .type_b import TypeB as TypeB
 from .type_b import TypeBConfig as TypeBConfig
-from .type_b import expand_dimensions as expand_dimensions
 from .type_b import expand_ends as expand_ends
+from .type_b import type_b_of as type_b_of
 from .wall_field import WallFieldConfig as WallFieldConfig
 from .wall_field import wall_field_predictive as wall_field_predictive

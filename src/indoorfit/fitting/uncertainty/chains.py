@@ -132,5 +132,5 @@ def diagnose(
         )
     if float(effective.min()) < config.min_effective:
         faults.append(f"{effective.min():.0f} effective draws, needs {config.min_effective:.0f}")
-    status = "converged" if not faults else "; ".join(faults) + ". Fix: raise the sampler's max_steps."
+    status = "converged" if not faults else "; ".join(faults) + ". Fix: raise sampler.max_steps."
     return ChainDiagnostics(rhat, times, effective, acceptance, steps, not faults, status)

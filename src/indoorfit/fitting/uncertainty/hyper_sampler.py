@@ -2,6 +2,10 @@
 
 theta given the noise model is exactly Gaussian, so only three numbers need sampling, and the dimensions'
 distribution is a mixture over their draws (Rao-Blackwell). It checks the Laplace mixture of `wall_field`.
+
+The walkers' densities are evaluated together by NumPy's stacked LAPACK calls. `jax.vmap` over blocks padded
+to one size was measured at three quarters of that time (2.6 for 3.5 ms, 16 walkers, 180 cells), which does
+not pay for compiling it anew for each number of cells.
 """
 
 from dataclasses import dataclass, replace
@@ -60,14 +64,18 @@ def sample_wall_field(
     points = fit.mode.point + kept @ fit.mode.root.T
     hyper = HyperDraws(points, np.full(len(points), 1.0 / len(points)))
     predictive = sandwich_predictive(cells, contrasts, fit, hyper, config)
+    end_error = _end_error(predictive)
     chain_noise = {
+        "walkers": sampler.walkers,
         "steps": diagnostics.steps,
         "rhat": float(diagnostics.rhat.max()),
         "effective": float(diagnostics.effective.min()),
+        "autocorrelation_steps": float(diagnostics.autocorrelation_steps.max()),
         "acceptance": diagnostics.acceptance,
+        "end_error": end_error,
     }
     predictive = replace(predictive, noise={**predictive.noise, "sampler": chain_noise})
-    return SampledPredictive(predictive, diagnostics, _end_error(predictive))
+    return SampledPredictive(predictive, diagnostics, end_error)
 
 
 def _start(

@@ -82,6 +82,8 @@ class Predictive:
     """Parameters that the cells determine."""
     contrasts: Float[np.ndarray, "dims params"]
     noise: Mapping[str, Any] = field(default_factory=dict)
+    screened: Bool[np.ndarray, " cells"] | None = None
+    """Cells that the others contradict and that therefore count for little; None where none were judged."""
 
     def with_contrasts(self, contrasts: Float[np.ndarray, "dims params"]) -> "Predictive":
         """The same belief, asked for other dimensions."""

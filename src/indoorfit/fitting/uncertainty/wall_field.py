@@ -172,6 +172,7 @@ def sandwich_predictive(
         noise=describe_wall_noise(
             hyper, prior_moments(config)[1], fit.inflation_m2, cells.variances_m2, fit.mode.converged
         ),
+        screened=fit.inflation_m2 > 0,
     )
 
 

@@ -1,0 +1,86 @@
+"""``indoorfit compare``: the joint and the greedy fit of one scan side by side."""
+
+import json
+import logging
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from indoorfit.files import staged
+
+from .runtime import set_up_logging
+from .settings import Sensor, Unit, Up, run_config
+
+
+@dataclass(frozen=True)
+class CompareCommand:
+    """Fit a scan jointly and greedily: lengths, intervals, residuals and time side by side."""
+
+    scan: tyro.conf.Positional[Path]
+    """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
+    out: Path | None = None
+    """Directory for compare.json, compare.txt, compare.svg and compare.png; without it only the table is
+    printed."""
+    level: float | None = None
+    """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
+    config: Path | None = None
+    """TOML file with settings; options given here win over it."""
+    unit: Unit = "m"
+    """Unit of the file's coordinates."""
+    up: Up | None = None
+    """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    sensor: Sensor | None = None
+    """What took the scan; see `indoorfit fit --help`."""
+    seed: int | None = None
+    """Seed of everything random; default 0."""
+    overwrite: bool = False
+    """Replace an earlier comparison in the same directory."""
+    json: bool = False
+    """Print JSON instead of the table."""
+    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    """Only warnings and errors on standard error."""
+
+    def run(self) -> int:
+        """Carry the command out; returns 0, or 3 where one of the two is missing or not sound."""
+        set_up_logging(self.quiet, verbose=False)
+        from indoorfit.io import read_scan
+        from indoorfit.pipeline import fit_both
+
+        config = run_config(self.config, self.up, self.sensor, level=self.level, seed=self.seed)
+        if self.out is None:
+            return self._told(fit_both(read_scan(self.scan, unit=self.unit), config))
+        with staged([self.out], overwrite=self.overwrite, marks=("compare.json",)) as (place,):
+            scan = read_scan(self.scan, unit=self.unit)
+            both = fit_both(scan, config)
+            place.mkdir()
+            self._write(place, both, scan)
+        return self._told(both)
+
+    def _write(self, place: Path, both, scan) -> None:
+        from indoorfit.report import to_svg, versus_document, versus_picture, versus_table, write_picture_png
+
+        parts = (both.joint, both.greedy, both.matched)
+        document = json.dumps(versus_document(*parts, both.refusals), indent=1, allow_nan=False)
+        (place / "compare.json").write_text(document + "\n", encoding="utf-8")
+        (place / "compare.txt").write_text(versus_table(*parts, both.refusals), encoding="utf-8")
+        if both.matched is None:
+            logging.getLogger("indoorfit").warning("no picture: there is one model only")
+            return
+        picture = versus_picture(*parts, scan.points_m)
+        (place / "compare.svg").write_text(to_svg(picture), encoding="utf-8")
+        write_picture_png(place / "compare.png", picture)
+
+    def _told(self, both) -> int:
+        from indoorfit.report import versus_document, versus_table
+
+        parts = (both.joint, both.greedy, both.matched, both.refusals)
+        if self.json:
+            json.dump(versus_document(*parts), sys.stdout, indent=1, allow_nan=False)
+            sys.stdout.write("\n")
+        else:
+            sys.stdout.write(versus_table(*parts))
+        sound = all(result is not None and result.converged for result in (both.joint, both.greedy))
+        return 0 if sound else 3

@@ -1,0 +1,60 @@
+"""The calibration study: what it writes, that it goes on where it stopped, and that it can fail."""
+
+import json
+
+import pytest
+from benchmarks import calibration
+from benchmarks.calibration import main, run_room, summary, table
+
+from indoorfit.model import STANDARD_LEVELS
+
+ROOM = ("drift5mm", False, 20_001)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return run_room(ROOM)
+
+
+def test_a_room_has_every_method_and_level(record):
+    methods = {entry["method"] for entry in record["lengths"]}
+    assert methods == {"joint", "greedy", "iid", "CR2", "bootstrap"}
+    for entry in record["lengths"]:
+        assert len(entry["ends"]) == len(STANDARD_LEVELS)
+        lows, highs = zip(*entry["ends"], strict=True)
+        assert list(lows) == sorted(lows, reverse=True)
+        assert list(highs) == sorted(highs)
+    json.dumps(record, allow_nan=False)
+
+
+def test_points_taken_as_independent_are_the_narrowest_and_worst(record):
+    rows = {row["method"]: row for row in summary([record])}
+    assert all(rows["iid"]["width_mm"] < rows[name]["width_mm"] for name in ("joint", "CR2", "greedy"))
+    # One room of 5 mm drift: i.i.d. intervals of tenths of a millimetre against errors of millimetres.
+    assert rows["iid"]["coverage"][0.95]["share"] < rows["joint"]["coverage"][0.95]["share"]
+    assert rows["iid"]["score_mm"] > rows["joint"]["score_mm"]
+    assert "| drift5mm | no | iid |" in table(list(rows.values()))
+
+
+def test_a_study_goes_on_where_it_stopped(record, tmp_path, monkeypatch):
+    name, _, seed = ROOM
+    (tmp_path / "rooms.jsonl").write_text(json.dumps(record) + "\n" + json.dumps(record)[:40])
+    monkeypatch.setattr(calibration, "run_room", None)  # nothing is left to run
+    arguments = [
+        "--out",
+        str(tmp_path),
+        "--rooms",
+        "1",
+        "--seed",
+        str(seed),
+        "--regimes",
+        name,
+        "--ids",
+        "no",
+    ]
+    assert main(arguments) == 0
+    results = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    assert {row["method"] for row in results["rows"]} >= {"joint", "iid"}
+    assert (tmp_path / "table.md").read_text(encoding="utf-8").startswith("| regime |")
+    # The torn line is gone.
+    assert len((tmp_path / "rooms.jsonl").read_text(encoding="utf-8").splitlines()) == 1
