@@ -5,7 +5,7 @@ from .assemble import Spread as Spread
 from .assemble import Verdict as Verdict
 from .assemble import assemble as assemble
 from .assemble import measurands as measurands
+from .named import Measurand as Measurand
+from .named import Survey as Survey
 from .remarks import face_notes as face_notes
-from .survey import Measurand as Measurand
-from .survey import Survey as Survey
 from .survey import survey as survey

@@ -22,7 +22,7 @@ from indoorfit.model import (
     Shape,
 )
 
-from .survey import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
+from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,13 @@ from .texture import TextureSet
 Method = Literal["joint", "greedy", "truth"]
 """How the numbers came about; `truth` marks the exact model of a simulated scan."""
 
-FaceKind = Literal["wall", "floor", "ceiling"]
-DimensionKind = Literal["wall", "height", "overall"]
+FaceKind = Literal["wall", "floor", "ceiling", "step"]
+"""A `step` is an upright face between two levels: the side of a beam, a platform or a lowered ceiling."""
+
+DimensionKind = Literal["wall", "height", "overall", "step", "width"]
+"""`wall`: the clear length of a wall; `overall`: the extents of a room; `height`: from a floor to the ceiling
+above it, the main levels first; `step`: from the main level of floor or ceiling to another; `width`: the
+extents of a floor or ceiling at another level."""
 
 
 @dataclass(frozen=True)
