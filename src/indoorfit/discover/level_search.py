@@ -60,9 +60,11 @@ def _look(
         "floor": (labels.floor_inside, labels.floor_outside),
     }[task.on]
     here, others = cell_coverage(here_m, grid, surfaces), cell_coverage(others_m, grid, surfaces)
-    gain = log_odds(here, *chances) - log_odds(others, *chances)
-    # What reaches into the room hides what lies behind it, and not the other way round.
-    gain = gain + (1.0 - np.maximum(here, others)) * np.log((1.0 - chances[0]) / _HIDDEN_BEHIND)
+    gain = (log_odds(here, *chances) - log_odds(others, *chances)) / labels.patch_m**2
+    # What reaches into the room hides what lies behind it, and not the other way round. A shadow counts once,
+    # as in the plan.
+    shadow = np.log((1.0 - chances[0]) / _HIDDEN_BEHIND) / labels.unseen_m**2
+    gain = gain + (1.0 - np.maximum(here, others)) * shadow
     widths = [np.diff(line) for line in grid]
     shares = facing_shares(surfaces, grid, (low_m, high_m))
     side_gain = None
@@ -76,7 +78,7 @@ def _look(
         here_m=here_m,
         others_m=others_m,
         rise_m=high_m - low_m,
-        gain=gain * np.outer(*widths) / labels.patch_m**2,
+        gain=gain * np.outer(*widths),
         side_gain=side_gain,
         pixel_m=surfaces.pixel_m,
         price=task.price,
