@@ -7,7 +7,8 @@ from indoorfit.model import FaceClass, Note, Segments, Shape, Surfels
 
 from .candidates import CandidateConfig, candidate_lines
 from .evidence import gather_evidence
-from .labelling import LabelConfig, label_cells
+from .labelling import LabelConfig, label_cells, price_of_one
+from .level_task import LevelConfig
 from .rooms import RoomConfig, build_shape, split_rooms
 from .surfaces import find_surfaces
 from .world import WorldConfig, world_notes
@@ -23,6 +24,8 @@ class DiscoverConfig:
     """Which cells are inside."""
     rooms: RoomConfig = field(default_factory=RoomConfig)
     """What is a room."""
+    levels: LevelConfig = field(default_factory=LevelConfig)
+    """What is another level of floor or ceiling."""
     world: WorldConfig = field(default_factory=WorldConfig)
     """What is not Manhattan."""
 
@@ -33,10 +36,11 @@ def discover(
     classes: tuple[FaceClass | None, ...],
     config: DiscoverConfig,
 ) -> tuple[Shape, tuple[Note, ...]]:
-    """Find rooms, notches, nested notches and pillars.
+    """Find rooms, notches, nested notches and pillars, and the levels of their floors and ceilings.
 
     Candidate walls cut the plan into cells; which cells are inside is the exact minimum of one energy
-    (`label_cells`); the cubes follow from the inside (`shape_from_plan`).
+    (`label_cells`); the cubes follow from the inside (`shape_from_plan`). Levels are found in the same way in
+    each room's plan.
 
     Args:
         surfels: Manhattan frame.
@@ -60,9 +64,9 @@ def discover(
             )
     evidence = gather_evidence(surfaces, lines)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    inside, plan_notes = label_cells(
-        evidence, grid, surfels.area_m2 * len(surfels.positions_m), config.labels
-    )
+    seen_m2 = surfels.area_m2 * len(surfels.positions_m)
+    inside, plan_notes = label_cells(evidence, grid, seen_m2, config.labels)
     rooms = split_rooms(inside, evidence, grid, config.rooms)
-    shape, notes = build_shape(rooms, grid, surfaces, config.rooms)
+    price = price_of_one(seen_m2, config.labels)
+    shape, notes = build_shape(rooms, grid, surfaces, config.labels, price, config.levels)
     return shape, (*world_notes(segments, config.world), *plan_notes, *notes)

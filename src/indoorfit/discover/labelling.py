@@ -82,16 +82,26 @@ def label_cells(
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
-        cost = -_log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
+        cost = -log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
         borders.append(cost * along / config.patch_m)
-    price = config.wall_price
-    if price is None:
-        # As many observations as the evidence is counted in.
-        price = 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
+    price = price_of_one(seen_m2, config)
     energy = PlanEnergy(cells, (borders[0], borders[1]), price)
     inside, gap = minimise(energy, config.max_open_cells)
     # A whole wall's price short of the best is worth a warning.
     return inside, (_gap_note(gap),) if gap > price else ()
+
+
+def price_of_one(seen_m2: float, config: LabelConfig) -> float:
+    """What one more parameter costs, in nats.
+
+    Args:
+        seen_m2: area of all surfaces that were seen.
+        config: see `LabelConfig`.
+    """
+    if config.wall_price is not None:
+        return config.wall_price
+    # As many observations as the evidence is counted in.
+    return 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
 
 
 def _gap_note(gap: float) -> Note:
@@ -103,7 +113,7 @@ def _gap_note(gap: float) -> Note:
     )
 
 
-def _log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
+def log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
     """Log likelihood ratio per patch, of which the share `share` was seen."""
     return share * np.log(if_true / if_false) + (1.0 - share) * np.log((1.0 - if_true) / (1.0 - if_false))
 

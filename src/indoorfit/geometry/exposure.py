@@ -1,6 +1,6 @@
 """Which parts of a shape's planes are surface: the tree of cubes evaluated on its own grid."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -69,7 +69,10 @@ def exposures(shape: Shape) -> tuple[Exposure, ...]:
         lines_m = [np.unique(corners_m[:, axis]) for axis in range(3)]
         inside = _solid(shape, room, bounds_m, lines_m)
         for cube in tree:
-            found.update(_cube_exposures(shape, cube, bounds_m, lines_m, inside))
+            for k, exposure in _cube_exposures(shape, cube, bounds_m, lines_m, inside).items():
+                # A platform's side may continue a wall: then one plane bounds two cubes.
+                shared = exposure.mask | found[k].mask if k in found else exposure.mask
+                found[k] = replace(exposure, mask=shared)
     return tuple(found[k] for k in range(len(shape.planes)))
 
 

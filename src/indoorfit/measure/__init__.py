@@ -6,7 +6,7 @@ from .assemble import assemble as assemble
 from .assemble import measurands as measurands
 from .levels import ExactPrediction as ExactPrediction
 from .levels import at_level as at_level
+from .named import Measurand as Measurand
+from .named import Survey as Survey
 from .remarks import face_notes as face_notes
-from .survey import Measurand as Measurand
-from .survey import Survey as Survey
 from .survey import survey as survey

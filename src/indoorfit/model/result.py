@@ -15,8 +15,14 @@ from .texture import TextureSet
 Method = Literal["joint", "greedy", "truth"]
 """How the numbers came about; `truth` marks the exact model of a simulated scan."""
 
-FaceKind = Literal["wall", "floor", "ceiling"]
-DimensionKind = Literal["wall", "height", "overall"]
+FaceKind = Literal["wall", "floor", "ceiling", "step"]
+"""A `step` is an upright face between two levels: the side of a beam, a platform or a lowered ceiling."""
+
+DimensionKind = Literal["wall", "height", "overall", "step", "width"]
+"""`wall`: the clear length of a wall; `overall`: the extents of a room; `height`: from a floor to the ceiling
+above it, the main levels first; `step`: from the main level of floor or ceiling to another; `width`: the
+extents of a floor or ceiling at another level."""
+
 LoaClass = Literal["LOA10", "LOA20", "LOA30", "LOA40", "LOA50"]
 """Level of Accuracy (USIBD C120): LOA10 is the coarsest, LOA50 the finest."""
 

@@ -47,7 +47,9 @@ def _summary(result: FitResult) -> str:
     rooms = "1 room" if n_rooms == 1 else f"{n_rooms} rooms"
     inferred = sum(face.status == "inferred" for face in result.faces)
     seen = f", {inferred} of all faces inferred" if inferred else ", every face observed"
-    return f"{rooms}, {n_walls} walls{seen}; {result.method} fit. All lengths in metres."
+    n_steps = sum(face.kind == "step" for face in result.faces)
+    steps = f", {n_steps} upright faces of steps and beams" if n_steps else ""
+    return f"{rooms}, {n_walls} walls{steps}{seen}; {result.method} fit. All lengths in metres."
 
 
 def _warnings(result: FitResult) -> list[str]:
