@@ -119,7 +119,9 @@ def _fit(
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
-            frame_cells = cells_by_frame(scan, frame, shape, config.joint.association, pixel_m)
+            frame_cells = cells_by_frame(
+                scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
+            )
     return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)
 
 

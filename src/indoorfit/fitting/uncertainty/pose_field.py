@@ -4,7 +4,7 @@ One frame sees several faces, so its slip shows against the Manhattan model: thi
 prior. It finds a face that hangs on displaced frames, to which no residual on the face itself gives a clue.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -253,6 +253,17 @@ def pose_field_predictive(
     noise = describe_pose_noise(hyper, pose_prior(config)[1], fit.robust, fit.mode.converged)
     predictive = Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
     return predictive, _slips(fit, config)
+
+
+def rough_slips(
+    cells: Cells, config: PoseFieldConfig
+) -> tuple[FrameSlips, Float[np.ndarray, " params"]]:
+    """Slips and the step of theta from the linearisation point at the mode of the hyper-parameters alone."""
+    fit = fit_pose_field(cells, replace(config, sweeps=2))
+    state = evaluate_pose(fit.layout, fit.linear, fit.robust, fit.mode.point, config.kappa)
+    step = np.zeros(cells.n_params)
+    step[fit.layout.seen] = state.border[: len(fit.layout.precision)]
+    return _slips(fit, config), step
 
 
 def _slips(fit: PoseFieldFit, config: PoseFieldConfig) -> FrameSlips:
