@@ -33,6 +33,9 @@ class FitCommand:
     """Seed of everything random; default 0."""
     overwrite: bool = False
     """Replace an earlier result in the same directory."""
+    write_registered: Path | None = None
+    """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
+    belief.use_frames on."""
     json: bool = False
     """Print the whole model as JSON instead of the table."""
     quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
@@ -53,10 +56,38 @@ class FitCommand:
         if self.up is not None:
             config = replace(config, orient=replace(config.orient, up=self.up))
         scan = read_scan(self.scan, unit=self.unit)
-        return run_pipeline(scan, config, self.out, overwrite=self.overwrite, as_json=self.json)
+        registered = self.write_registered
+        if registered is not None:
+            check_registrable(scan, config, registered, overwrite=self.overwrite)
+            config = replace(config, belief=replace(config.belief, use_frames=True))
+        return run_pipeline(
+            scan, config, self.out, overwrite=self.overwrite, as_json=self.json, registered=registered
+        )
 
 
-def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> int:
+def check_registrable(scan, config, path: Path, *, overwrite: bool) -> None:
+    """Say before the fit what would keep the registered cloud from being written."""
+    from indoorfit.errors import InputError, OutputError
+
+    if scan.frame_ids is None:
+        raise InputError(
+            f"{scan.name}: no frame ids; --write-registered moves single frames and needs the frame of every "
+            "point. Fix: export the scan with an integer property `frame`, or leave the option out."
+        )
+    if config.method != "joint":
+        raise InputError(
+            f"{scan.name}: --write-registered needs the slips of the frames, which only the joint method "
+            "estimates. Fix: --method joint."
+        )
+    if path.suffix.lower() != ".ply":
+        raise OutputError(f"{path}: need a name that ends in .ply. Fix: rename it.")
+    if path.exists() and not overwrite:
+        raise OutputError(f"{path}: exists already. Fix: choose another name or give --overwrite.")
+
+
+def run_pipeline(
+    scan, config, out: Path, *, overwrite: bool, as_json: bool, registered: Path | None = None
+) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
     import logging
 
@@ -71,6 +102,8 @@ def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> 
     result = fit_scan(scan, config)
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
+    if registered is not None:
+        _write_registered(scan, result, registered, overwrite=overwrite)
     write_outputs(result, out, scan, overwrite=overwrite)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
@@ -79,3 +112,14 @@ def run_pipeline(scan, config, out: Path, *, overwrite: bool, as_json: bool) -> 
         sys.stdout.write(dimension_table(result))
     log.info("written to %s", out)
     return 0 if result.converged else 3
+
+
+def _write_registered(scan, result, path: Path, *, overwrite: bool) -> None:
+    from indoorfit.errors import InputError
+    from indoorfit.fitting import register
+    from indoorfit.io import write_ply
+
+    if not result.registration:
+        reason = next((n.message for n in result.notes if n.code == "FRAMES_UNUSED"), "no face has cells.")
+        raise InputError(f"{scan.name}: no registered cloud: {reason} Fix: leave --write-registered out.")
+    write_ply(path, register(scan, result.registration), overwrite=overwrite)

@@ -30,9 +30,11 @@ from .uncertainty import (
 class BeliefConfig:
     """The noise models."""
 
-    use_frames: bool = True
-    """Take the slips of the frames out where the scan keeps frame ids: lengths are then four to ten times
-    sharper wherever registration has drifted. Needs 8 frames, and every face seen by two of them."""
+    use_frames: bool = False
+    """Take the slips of the frames out where the scan keeps frame ids: four to ten times sharper wherever
+    registration has drifted. In bare simulated rooms 93 to 97 of 100 intervals at 95 % held, in furnished ones
+    with uneven walls 61 (2 cm drift) to 88 (5 mm), so it must be asked for. Needs 8 frames, and every face seen
+    by two of them."""
     wall_field: WallFieldConfig = field(default_factory=WallFieldConfig)
     """The Gaussian-process field of wall residuals: for any scan."""
     pose_field: PoseFieldConfig = field(default_factory=PoseFieldConfig)
@@ -106,12 +108,18 @@ def believe(
     wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
     wall = replace(wall, covariances=wall.covariances + extra)
     obstacle = None if frame_cells is None else pose_obstacle(frame_cells, config.pose_field)
-    if frame_cells is None or obstacle is not None:
+    fit = None
+    if frame_cells is not None and obstacle is None:
+        try:
+            fit = pose_field_predictive(frame_cells, contrasts, config.pose_field, rng)
+        except np.linalg.LinAlgError as e:
+            obstacle = f"{e}."
+    if fit is None:
         noise = dict(wall.noise)
         noise["explanation"] = f"{noise.pop('sentence')} {_CONDITIONS} {_BLIND}"
         notes = () if obstacle is None else (_unused_note(obstacle),)
         return Belief(shape, frame, wall, None, 1.0, False, noise, notes)
-    pose, slips = pose_field_predictive(frame_cells, contrasts, config.pose_field, rng)
+    pose, slips = fit
     pose = _completed(replace(pose, covariances=pose.covariances + extra), wall)
     return replace(_fused(wall, pose, shape, frame, config.fusion), slips=slips)
 
@@ -119,8 +127,8 @@ def believe(
 def _unused_note(obstacle: str) -> Note:
     return Note(
         "FRAMES_UNUSED",
-        f"The scan keeps frame ids, but they could not be used: {obstacle} The intervals are those of a cloud "
-        "without ids. Scan every face from several places.",
+        f"The scan keeps frame ids, but they could not be used: {obstacle} The intervals are those of a "
+        "cloud without ids. Scan every face from several places.",
     )
 
 

@@ -46,7 +46,10 @@ def cells_by_frame(
     cells = build_cells(data.patches, shape, centres_m)
     if pose_obstacle(cells, pose) is not None:
         return cells
-    slips, step = rough_slips(cells, pose)
+    try:
+        slips, step = rough_slips(cells, pose)
+    except np.linalg.LinAlgError:
+        return cells  # `believe` meets the same equations and says so
     motions = corrections(slips, len(ids))
     # The planes' normals turned by the step, so in their own axes the points turn back.
     room = Rotation.from_rotvec(step[:3]).inv().as_matrix()

@@ -122,9 +122,7 @@ _MIN_SIGMA_M = 1e-5
 """Exact synthetic walls have no spread; a hundredth of a millimetre keeps the weights finite."""
 
 
-def robust_location(
-    values_m: Float[np.ndarray, " points"], coarse_m: float = 0.0
-) -> tuple[float, float]:
+def robust_location(values_m: Float[np.ndarray, " points"], coarse_m: float = 0.0) -> tuple[float, float]:
     """Tukey biweight location of one patch, and the variance of that location.
 
     The scale is the patch's own MAD: within a patch the robustness may not choose between two layers of a

@@ -15,6 +15,7 @@ from .grammar import Side as Side
 from .grammar import side_axis as side_axis
 from .grammar import side_sign as side_sign
 from .notes import Note as Note
+from .registration import FrameMotion as FrameMotion
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
 from .result import Face as Face

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
+from .registration import FrameMotion
 
 Method = Literal["joint", "greedy", "truth"]
 """How the numbers came about; `truth` marks the exact model of a simulated scan."""
@@ -148,6 +149,9 @@ class FitResult:
     provenance: Mapping[str, Any]
     converged: bool
     """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
+    registration: tuple[FrameMotion, ...] = ()
+    """How to move each frame of the scan, where frame ids showed it. About the scan and not about the room:
+    the one field that ``model.json`` leaves out."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

@@ -18,6 +18,7 @@ from indoorfit.fitting import (
     cells_by_frame,
     fit_greedy,
     fit_joint,
+    frame_motions,
     intervals,
 )
 from indoorfit.measure import PlaneEvidence, Spread, Verdict, assemble, face_notes, measurands, survey
@@ -155,7 +156,7 @@ def _measure(
         spread = intervals(belief, values, gradients, config.level)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
-    return assemble(
+    result = assemble(
         shape,
         belief.frame,
         found,
@@ -176,6 +177,10 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+    if belief.slips is None or scan.frame_ids is None:
+        return result
+    motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)
+    return replace(result, registration=motions)
 
 
 def _unseen_told(shape: Shape, data: PatchData) -> Shape:

@@ -133,8 +133,8 @@ def pose_obstacle(cells: Cells, config: PoseFieldConfig) -> str | None:
     alone = int(np.sum(seen_by < config.min_views))
     if alone:
         return (
-            f"{alone} of {len(planes)} faces are seen by fewer than {config.min_views} frames; what a frame's "
-            "slip does to such a face does not show."
+            f"{alone} of {len(planes)} faces are seen by fewer than {config.min_views} frames; what a "
+            "frame's slip does to such a face does not show."
         )
     return None
 
@@ -267,9 +267,7 @@ def pose_field_predictive(
     return predictive, _slips(fit, config)
 
 
-def rough_slips(
-    cells: Cells, config: PoseFieldConfig
-) -> tuple[FrameSlips, Float[np.ndarray, " params"]]:
+def rough_slips(cells: Cells, config: PoseFieldConfig) -> tuple[FrameSlips, Float[np.ndarray, " params"]]:
     """Slips and the step of theta from the linearisation point at the mode of the hyper-parameters alone."""
     fit = fit_pose_field(cells, replace(config, sweeps=2))
     state = evaluate_pose(fit.layout, fit.linear, fit.robust, fit.mode.point, config.kappa)
