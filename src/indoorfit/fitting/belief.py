@@ -32,9 +32,9 @@ class BeliefConfig:
 
     use_frames: bool = False
     """Take the slips of the frames out where the scan keeps frame ids: four to ten times sharper wherever
-    registration has drifted. In bare simulated rooms 93 to 97 of 100 intervals at 95 % held, in furnished ones
-    with uneven walls 61 (2 cm drift) to 88 (5 mm), so it must be asked for. Needs 8 frames, and every face seen
-    by two of them."""
+    registration has drifted. In bare simulated rooms 93 to 97 of 100 intervals at 95 % held, in furnished
+    ones with uneven walls 61 (2 cm drift) to 88 (5 mm), so it must be asked for. Needs 8 frames, and every
+    face seen by two of them."""
     wall_field: WallFieldConfig = field(default_factory=WallFieldConfig)
     """The Gaussian-process field of wall residuals: for any scan."""
     pose_field: PoseFieldConfig = field(default_factory=PoseFieldConfig)
