@@ -30,10 +30,6 @@ class Sight:
     limit_m: float
     """Depth (range, without axes) beyond which the sensor gives nothing; infinite where none shows."""
 
-    def select(self, keep: Int[np.ndarray, " kept"] | slice) -> "Sight":
-        """The same for some of the points."""
-        return Sight(self.frame[keep], self.centres_m, self.depth_axes, self.limit_m)
-
     def moved(self, motions: RigidMotions) -> "Sight":
         """The same after each frame has moved."""
         centres_m = motions.apply(self.centres_m, np.arange(len(self.centres_m)))
@@ -41,11 +37,6 @@ class Sight:
         if axes is not None:
             axes = np.einsum("fij,fj->fi", motions.rotations, axes)
         return Sight(self.frame, centres_m, axes, self.limit_m)
-
-    def turned(self, rotation: Float[np.ndarray, "3 3"]) -> "Sight":
-        """The same in other axes: `rotation` maps the present ones to them."""
-        axes = None if self.depth_axes is None else self.depth_axes @ rotation.T
-        return Sight(self.frame, self.centres_m @ rotation.T, axes, self.limit_m)
 
     def meet(
         self,
