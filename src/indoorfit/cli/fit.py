@@ -46,6 +46,9 @@ class FitCommand:
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
     overwrite: bool = False
     """Replace an earlier result in the same directory."""
+    write_registered: Path | None = None
+    """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
+    belief.use_frames on."""
     json: bool = False
     """Print the whole model as JSON instead of the table."""
     quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
@@ -69,6 +72,10 @@ class FitCommand:
         config = replace(config, texture=self.textures.settings(config.texture))
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)
+        registered = self.write_registered
+        if registered is not None:
+            check_registrable(scan, config, registered, overwrite=self.overwrite)
+            config = replace(config, belief=replace(config.belief, use_frames=True))
         return run_pipeline(
             scan,
             config,
@@ -77,7 +84,28 @@ class FitCommand:
             overwrite=self.overwrite,
             as_json=self.json,
             formats=self.format,
+            registered=registered,
         )
+
+
+def check_registrable(scan, config, path: Path, *, overwrite: bool) -> None:
+    """Say before the fit what would keep the registered cloud from being written."""
+    from indoorfit.errors import InputError, OutputError
+
+    if scan.frame_ids is None:
+        raise InputError(
+            f"{scan.name}: no frame ids; --write-registered moves single frames and needs the frame of every "
+            "point. Fix: export the scan with an integer property `frame`, or leave the option out."
+        )
+    if config.method != "joint":
+        raise InputError(
+            f"{scan.name}: --write-registered needs the slips of the frames, which only the joint method "
+            "estimates. Fix: --method joint."
+        )
+    if path.suffix.lower() != ".ply":
+        raise OutputError(f"{path}: need a name that ends in .ply. Fix: rename it.")
+    if path.exists() and not overwrite:
+        raise OutputError(f"{path}: exists already. Fix: choose another name or give --overwrite.")
 
 
 def run_pipeline(
@@ -89,6 +117,7 @@ def run_pipeline(
     overwrite: bool,
     as_json: bool,
     formats: tuple[FormatName, ...] = (),
+    registered: Path | None = None,
 ) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
     import logging
@@ -105,6 +134,8 @@ def run_pipeline(
     result = fit_scan(scan, config, pictures or Pictures())
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
+    if registered is not None:
+        _write_registered(scan, result, registered, overwrite=overwrite)
     write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
@@ -113,3 +144,14 @@ def run_pipeline(
         sys.stdout.write(dimension_table(result))
     log.info("written to %s", out)
     return 0 if result.converged else 3
+
+
+def _write_registered(scan, result, path: Path, *, overwrite: bool) -> None:
+    from indoorfit.errors import InputError
+    from indoorfit.fitting import register
+    from indoorfit.io import write_ply
+
+    if not result.registration:
+        reason = next((n.message for n in result.notes if n.code == "FRAMES_UNUSED"), "no face has cells.")
+        raise InputError(f"{scan.name}: no registered cloud: {reason} Fix: leave --write-registered out.")
+    write_ply(path, register(scan, result.registration), overwrite=overwrite)

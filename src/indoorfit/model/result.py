@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
+from .registration import FrameMotion
 from .spread import Prediction
 from .texture import TextureSet
 
@@ -193,6 +194,9 @@ class FitResult:
     prediction: Prediction | None = field(default=None, repr=False, compare=False)
     """Intervals at any level, for dimensions, rooms and plane offsets in the order of `measure.measurands`;
     None for a result that was read from a file."""
+    registration: tuple[FrameMotion, ...] = ()
+    """How to move each frame of the scan, where frame ids showed it. About the scan and not about the room:
+    the one field that ``model.json`` leaves out."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

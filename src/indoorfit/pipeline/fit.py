@@ -23,6 +23,7 @@ from indoorfit.fitting import (
     cells_by_frame,
     fit_greedy,
     fit_joint,
+    frame_motions,
     honesty_notes,
     type_b_of,
 )
@@ -155,7 +156,9 @@ def _fit(
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
-            frame_cells = cells_by_frame(scan, frame, shape, config.joint.association, pixel_m)
+            frame_cells = cells_by_frame(
+                scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
+            )
     return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)
 
 
@@ -193,7 +196,7 @@ def _measure(
         doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
-    return assemble(
+    result = assemble(
         shape,
         belief.frame,
         found,
@@ -215,6 +218,10 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+    if belief.slips is None or scan.frame_ids is None:
+        return result
+    motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)
+    return replace(result, registration=motions)
 
 
 def _honest(
