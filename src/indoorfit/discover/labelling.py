@@ -21,7 +21,8 @@ class LabelConfig:
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
     unseen_m: float = 0.5
     """What was not seen of floor and ceiling is counted once per square of this side: a shadow of a
-    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large."""
+    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large.
+    Ceiling that is missing over floor that was seen is no gap, and counts patch by patch."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
@@ -118,15 +119,22 @@ def log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
     return share * np.log(if_true / if_false) + (1.0 - share) * np.log((1.0 - if_true) / (1.0 - if_false))
 
 
+def _odds_of_one(if_true: float, if_false: float) -> tuple[float, float]:
+    """Log likelihood ratios of a patch that was seen, and of one that was not."""
+    return float(np.log(if_true / if_false)), float(np.log((1.0 - if_true) / (1.0 - if_false)))
+
+
 def _cell_gain(
     evidence: Evidence, area_m2: Float[np.ndarray, "nx ny"], config: LabelConfig
 ) -> Float[np.ndarray, "nx ny"]:
-    kinds = [(evidence.floor, config.floor_inside, config.floor_outside)]
+    fine, coarse = area_m2 / config.patch_m**2, area_m2 / config.unseen_m**2
+    seen, unseen = _odds_of_one(config.floor_inside, config.floor_outside)
+    gain = evidence.floor * fine * seen + (1.0 - evidence.floor) * coarse * unseen
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
-        kinds.append((evidence.ceiling, config.ceiling_inside, config.ceiling_outside))
-    gain = np.zeros(area_m2.shape)
-    for share, inside, outside in kinds:
-        gain += share * area_m2 / config.patch_m**2 * np.log(inside / outside)
-        gain += (1.0 - share) * area_m2 / config.unseen_m**2 * np.log((1.0 - inside) / (1.0 - outside))
+        seen, unseen = _odds_of_one(config.ceiling_inside, config.ceiling_outside)
+        # Over floor that was seen the missing ceiling is no gap: somebody looked there, and it is a terrace.
+        missing = np.minimum(1.0 - evidence.ceiling, evidence.floor)
+        gain += evidence.ceiling * fine * seen
+        gain += (missing * fine + (1.0 - evidence.ceiling - missing) * coarse) * unseen
     return gain
