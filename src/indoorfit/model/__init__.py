@@ -22,6 +22,8 @@ from .picture import Pictures as Pictures
 from .result import Budget as Budget
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
+from .result import DoorEvidence as DoorEvidence
+from .result import Doorway as Doorway
 from .result import Face as Face
 from .result import FaceKind as FaceKind
 from .result import FitResult as FitResult

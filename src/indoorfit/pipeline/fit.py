@@ -26,7 +26,17 @@ from indoorfit.fitting import (
     honesty_notes,
     type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Survey, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import (
+    PlaneEvidence,
+    Survey,
+    Verdict,
+    assemble,
+    face_notes,
+    find_doors,
+    measurands,
+    survey,
+    with_thicknesses,
+)
 from indoorfit.model import (
     FaceClass,
     FitResult,
@@ -184,6 +194,9 @@ def _measure(
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
         found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+        found = with_thicknesses(shape, found)
+        in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
+        doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
@@ -193,7 +206,7 @@ def _measure(
         doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
-    return assemble(
+    result = assemble(
         shape,
         belief.frame,
         found,
@@ -215,6 +228,7 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+    return replace(result, adjacency=doors)
 
 
 def _honest(
