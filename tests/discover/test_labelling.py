@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from indoorfit.discover.evidence import Evidence
+from indoorfit.discover.gaps import enclosed
 from indoorfit.discover.labelling import LabelConfig, label_cells
 
 SEEN_M2 = 100.0
@@ -30,9 +31,11 @@ def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) ->
     def odds(share: float, true: float, false: float) -> float:
         return share * np.log(true / false) + (1 - share) * np.log((1 - true) / (1 - false))
 
+    unseen_m = np.where(enclosed(evidence), config.unseen_m, config.patch_m)
+
     def gain_of(share: float, true: float, false: float, area_m2: float) -> float:
         seen, unseen = odds(1.0, true, false), odds(0.0, true, false)
-        return area_m2 * (share * seen / config.patch_m**2 + (1 - share) * unseen / config.unseen_m**2)
+        return area_m2 * (share * seen / config.patch_m**2 + (1 - share) * unseen / unseen_m[i, j] ** 2)
 
     sizes_m = [np.diff(lines) for lines in grid]
     dx, dy = (size_m / config.patch_m for size_m in sizes_m)

@@ -9,6 +9,7 @@ from indoorfit.errors import ConfigError
 from indoorfit.model import Note
 
 from .evidence import Evidence
+from .gaps import enclosed
 from .minimise import PlanEnergy, minimise
 
 
@@ -19,9 +20,10 @@ class LabelConfig:
     patch_m: float = 0.3
     """Evidence is counted once per square of this side (once per this length of wall): what hides a
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
-    unseen_m: float = 0.5
-    """What was not seen of floor and ceiling is counted once per square of this side: a shadow of a
-    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large."""
+    unseen_m: float = 1.0
+    """What was not seen of floor and ceiling, with room or wall on all four sides, is counted once per square
+    of this side, elsewhere once per patch: a hole in a room has one cause. A camera 1.5 m high that nowhere
+    looks straight down or up leaves holes of a metre and more."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
@@ -126,7 +128,9 @@ def _cell_gain(
     if np.any(evidence.ceiling > 0):
         kinds.append((evidence.ceiling, config.ceiling_inside, config.ceiling_outside))
     gain = np.zeros(area_m2.shape)
+    # Beyond a door nobody looked around either, but there nothing bounds what was not seen.
+    unseen_m = np.where(enclosed(evidence), config.unseen_m, config.patch_m)
     for share, inside, outside in kinds:
         gain += share * area_m2 / config.patch_m**2 * np.log(inside / outside)
-        gain += (1.0 - share) * area_m2 / config.unseen_m**2 * np.log((1.0 - inside) / (1.0 - outside))
+        gain += (1.0 - share) * area_m2 / unseen_m**2 * np.log((1.0 - inside) / (1.0 - outside))
     return gain
