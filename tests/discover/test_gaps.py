@@ -15,7 +15,7 @@ def room_with_hole() -> Evidence:
     walls = np.zeros((8, 7)), np.zeros((7, 8))
     walls[0][[1, 6], 1:6] = 1.0
     walls[1][1:6, [1, 6]] = 1.0
-    return Evidence(ceiling, ceiling.copy(), np.full((7, 7), 2.5), walls)
+    return Evidence(ceiling, ceiling.copy(), np.full((7, 7), 2.5), walls, walls)
 
 
 def test_a_hole_in_a_room_is_enclosed_and_what_is_outside_is_not():
@@ -42,5 +42,6 @@ def test_a_room_that_nobody_saw_the_end_of_is_not_enclosed_there(turns):
     walls = [np.rot90(wall, turns) for wall in evidence.walls]
     if turns % 2:
         walls.reverse()
-    found = enclosed(Evidence(ceiling, floor, evidence.top_m, (walls[0], walls[1])))
+    borders = walls[0], walls[1]
+    found = enclosed(Evidence(ceiling, floor, evidence.top_m, borders, borders))
     assert not np.rot90(found, -turns)[4:].any()
