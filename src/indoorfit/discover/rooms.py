@@ -13,7 +13,7 @@ from .evidence import Evidence
 from .labelling import LabelConfig
 from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
 from .levels import RoomLevels, find_levels, level_cells
-from .passages import close_passages, open_borders, pieces_of
+from .passages import Passage, close_passages, open_borders, pieces_of
 from .surfaces import Surfaces
 
 _NOTABLE_M2 = 1.0
@@ -51,7 +51,8 @@ def split_rooms(
         InputError: nothing of the size of a room.
     """
     links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
-    inside = close_passages(inside, links, grid, config.door_m, config.wall_m, config.min_area_m2)
+    limits = Passage(config.door_m, config.wall_m, config.partition_share)
+    inside = close_passages(inside, links, evidence, grid, limits, config.min_area_m2)
     links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
     labels = pieces_of(inside, links)
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
