@@ -39,9 +39,9 @@ def with_levels(
 ) -> Shape:
     """Take away one cube for every rectangular piece of a level.
 
-    A piece that is no rectangle is its bounding box, from which parts are taken away again. A side where
-    nothing but walls lies beyond stays open; one that only meets a wall, or continues it, shares the wall's
-    plane; every other side is a plane of its own.
+    A piece that is no rectangle is its bounding box, from which parts are taken away again. A side at
+    the end of the room stays open; one that only meets a wall, or continues it, shares the wall's plane;
+    every other side is a plane of its own.
 
     Args:
         shape: rooms with flat floors and ceilings at their lowest and highest level; the plan's walls lie
@@ -104,8 +104,7 @@ class _LevelBuilder:
         for piece in pieces:
             top = self._plane(2, -1 if self.on == "floor" else 1, level.offset_m)
             z: tuple[int | None, int | None] = (None, top) if self.on == "floor" else (top, None)
-            whole = (0, self.mask.shape[0], 0, self.mask.shape[1])
-            self._carve(piece, kept | (wanted & ~piece), self.room.id, whole, 0, z)
+            self._carve(piece, kept | (wanted & ~piece), self.room.id, bounding_box(self.mask), 0, z)
         self.done |= wanted
 
     def _plane(self, axis: int, outward: int, offset_m: float) -> int:
@@ -126,13 +125,19 @@ class _LevelBuilder:
         box = bounding_box(wanted)
         # A level is taken from the room, so its outside is room; a part of it the other way round.
         turn = -1 if depth % 2 == 0 else 1
-        free = _open_sides(box, around, kept)
+        seen = [_seen(k, box, wanted, kept) for k in range(4)]
+        # Open only at the end of all: a side that reached through a wall would claim what is behind.
         sides: dict[Side, int | None] = {
-            side: None if free[k] else self._side(k, box, wanted, kept, turn)
+            side: None if box[k] == around[k] else self._side(k, box, wanted, seen[k], turn)
             for k, side in enumerate(_PLAN_SIDES)
         }
         sides["-z"], sides["+z"] = z_planes
-        cube = Cube(f"cube-{len(self.shape.cubes)}", self._role(depth, sides), parent, sides)
+        cube = Cube(
+            f"cube-{len(self.shape.cubes)}",
+            self._role(depth, [bool(line.any()) for line in seen]),
+            parent,
+            sides,
+        )
         self.shape = Shape(self.shape.planes, (*self.shape.cubes, cube))
         for missing in components(_window(box, kept) & kept):
             self._carve(missing, wanted, cube.id, box, depth + 1, (None, None))
@@ -142,54 +147,41 @@ class _LevelBuilder:
         k: int,
         box: _Box,
         wanted: Bool[np.ndarray, "nx ny"],
-        kept: Bool[np.ndarray, "nx ny"],
+        seen: Bool[np.ndarray, " n"],
         turn: int,
     ) -> int:
-        """The plane of one side of a box: known, or a new one."""
+        """The plane of one side of a box: of a wall that it meets or continues, or a new one."""
         axis, sign = k // 2, (1 if k % 2 else -1)
         line_m = float(self.lines_m[axis][box[k]])
-        inner, outer = (box[k], box[k] - 1) if sign < 0 else (box[k] - 1, box[k])
-        seen = np.moveaxis(wanted, axis, 0)[inner] & np.moveaxis(kept, axis, 0)[outer]
-        place = np.flatnonzero(seen)
-        known = self._known(axis, line_m, turn * sign, place)
-        return self._plane(axis, turn * sign, line_m) if known is None else known
-
-    def _known(self, axis: int, line_m: float, outward: int, place: np.ndarray) -> int | None:
-        """A plane of the room on this line: any, where the side is not seen, else one that it continues."""
+        along = seen if seen.any() else np.moveaxis(wanted, axis, 0)[box[k] if sign < 0 else box[k] - 1]
+        place = np.flatnonzero(along)
+        ends_m = float(self.lines_m[1 - axis][place[0]]), float(self.lines_m[1 - axis][place[-1] + 1])
         homes = room_of_planes(self.shape)
         for exposure in _visible(self.shape, homes, self.room.id):
             plane = self.shape.planes[exposure.plane]
-            if plane.axis != axis or plane.offset_m != line_m:
-                continue
-            if len(place) == 0:
+            same = plane.axis == axis and plane.offset_m == line_m
+            if same and (plane.outward == turn * sign or not seen.any()) and _touches(exposure, ends_m):
                 return exposure.plane
-            along_m = self.lines_m[1 - axis]
-            ends = float(along_m[place[0]]), float(along_m[place[-1] + 1])
-            if plane.outward == outward and _touches(exposure, ends):
-                return exposure.plane
-        return None
+        return self._plane(axis, turn * sign, line_m)
 
-    def _role(self, depth: int, sides: dict[Side, int | None]) -> Role:
+    def _role(self, depth: int, free: list[bool]) -> Role:
         if depth > 0:
             return "part"
-        free = [sides[side] is not None for side in _PLAN_SIDES]
         if self.on == "ceiling":
             return "beam" if all(free[:2]) or all(free[2:]) else "step"
         return "platform" if sum(free) > 1 else "step"
 
 
-def _open_sides(box: _Box, around: _Box, kept: Bool[np.ndarray, "nx ny"]) -> tuple[bool, ...]:
-    """The sides at which a box may as well go on to the end of what surrounds it, all at once."""
-    reach, found = list(box), []
-    for k in range(4):
-        further = [around[k] if side == k else end for side, end in enumerate(reach)]
-        x0, x1, y0, y1 = further
-        before = _window(box, kept) & kept
-        free = not (_window((x0, x1, y0, y1), kept) & kept & ~before).any()
-        if free:
-            reach = further
-        found.append(free)
-    return tuple(found)
+def _seen(
+    k: int, box: _Box, wanted: Bool[np.ndarray, "nx ny"], kept: Bool[np.ndarray, "nx ny"]
+) -> Bool[np.ndarray, " n"]:
+    """Along one side of a box, where the level ends within the room."""
+    axis, inner = k // 2, box[k] - (k % 2)
+    outer = box[k] - 1 + (k % 2)
+    lines = np.moveaxis(wanted, axis, 0), np.moveaxis(kept, axis, 0)
+    if not 0 <= outer < len(lines[1]):
+        return np.zeros(lines[0].shape[1], bool)
+    return lines[0][inner] & lines[1][outer]
 
 
 def _visible(shape: Shape, homes: dict[int, str], room: str) -> list[Exposure]:

@@ -65,8 +65,12 @@ def test_exposures_are_the_surface_of_the_solid(plan):
     areas = np.zeros(len(shape.planes))
     for polygon in face_polygons(subtract_cubes(shape, shape.rooms[0])):
         areas[polygon.plane] += polygon.area_m2
+    # Where the ends of two levels lie in one plane by chance, which of them has the common part is open.
+    places = [(plane.axis, plane.outward, plane.offset_m) for plane in shape.planes]
+    index = np.array([places.index(place) for place in places])
+    exposed = np.bincount(index, [e.area_m2 for e in exposures(shape)])
     # Merged within 1e-6 m along at most 100 m of edges.
-    np.testing.assert_allclose([e.area_m2 for e in exposures(shape)], areas, atol=1e-3)
+    np.testing.assert_allclose(exposed, np.bincount(index, areas), atol=1e-3)
 
 
 def test_a_beam_from_wall_to_wall_has_three_planes_of_its_own():
