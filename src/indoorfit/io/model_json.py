@@ -1,8 +1,8 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
 Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``, ``wall`` and
-``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
+``converged``, ``adjacency``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``, ``wall``
+and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
 """
 
 import json
@@ -20,6 +20,7 @@ from ..model import (
     TEXTURE_FOLDER,
     Cube,
     Dimension,
+    Doorway,
     Face,
     FitResult,
     Interval,
@@ -60,6 +61,7 @@ def to_document(result: FitResult) -> dict[str, Any]:
         "planes": [_plane(plane) for plane in result.shape.planes],
         "faces": [_face(face) for face in result.faces],
         "dimensions": [_dimension(dimension) for dimension in result.dimensions],
+        "adjacency": [_doorway(doorway) for doorway in result.adjacency],
         # Left out where there are none, as in documents from before there were textures.
         **({} if result.textures is None else {"textures": _textures(result.textures)}),
         "noise": _plain(result.noise, "noise"),
@@ -208,6 +210,17 @@ def _textures(textures: TextureSet) -> dict[str, Any]:
             }
             for placement in textures.placements.values()
         ],
+    }
+
+
+def _doorway(doorway: Doorway) -> dict[str, Any]:
+    return {
+        "id": doorway.id,
+        "rooms": list(doorway.rooms),
+        "faces": list(doorway.faces),
+        "sill": _numbers(doorway.sill_m),
+        "width": float(doorway.width_m),
+        "evidence": list(doorway.evidence),
     }
 
 

@@ -12,6 +12,8 @@ from ..model import (
     Cube,
     Dimension,
     DimensionKind,
+    DoorEvidence,
+    Doorway,
     Face,
     FaceClass,
     FaceKind,
@@ -71,6 +73,7 @@ def read_model_json(path: str | Path) -> FitResult:
         notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
         provenance=root["provenance"].mapping(),
         converged=root["converged"].truth(),
+        adjacency=tuple(_doorway(node, room_ids, face_ids) for node in root["adjacency"].items()),
         textures=read_textures(root, Path(path).parent, face_ids),
     )
 
@@ -203,6 +206,22 @@ def _all_different(node: JsonNode, ids: list[str]) -> tuple[str, ...]:
         if ids.count(text) > 1:
             item["id"].fail(f"{text!r}"[:60] + ", like another", "an id of its own")
     return tuple(ids)
+
+
+def _doorway(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, ...]) -> Doorway:
+    rooms = [_reference(room, room_ids, "room") for room in node["rooms"].items()]
+    faces = [_reference(face, face_ids, "face") for face in node["faces"].items()]
+    for key, ids in (("rooms", rooms), ("faces", faces)):
+        if len(ids) != 2:
+            node[key].fail(f"a list of {len(ids)}", "a list of 2")
+    return Doorway(
+        id=node["id"].text(),
+        rooms=(rooms[0], rooms[1]),
+        faces=(faces[0], faces[1]),
+        sill_m=node["sill"].array(3),
+        width_m=node["width"].number(),
+        evidence=tuple(item.choice(*get_args(DoorEvidence)) for item in node["evidence"].items()),
+    )
 
 
 def _reference(node: JsonNode, ids: tuple[str, ...], kind: str) -> str:

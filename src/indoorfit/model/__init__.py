@@ -23,6 +23,8 @@ from .registration import FrameMotion as FrameMotion
 from .result import Budget as Budget
 from .result import Dimension as Dimension
 from .result import DimensionKind as DimensionKind
+from .result import DoorEvidence as DoorEvidence
+from .result import Doorway as Doorway
 from .result import Face as Face
 from .result import FaceKind as FaceKind
 from .result import FitResult as FitResult

@@ -19,13 +19,17 @@ Method = Literal["joint", "greedy", "truth"]
 FaceKind = Literal["wall", "floor", "ceiling", "step"]
 """A `step` is an upright face between two levels: the side of a beam, a platform or a lowered ceiling."""
 
-DimensionKind = Literal["wall", "height", "overall", "step", "width"]
+DimensionKind = Literal["wall", "height", "overall", "step", "width", "thickness"]
 """`wall`: the clear length of a wall; `overall`: the extents of a room; `height`: from a floor to the ceiling
 above it, the main levels first; `step`: from the main level of floor or ceiling to another; `width`: the
-extents of a floor or ceiling at another level."""
+extents of a floor or ceiling at another level; `thickness`: of a wall between two rooms."""
 
 LoaClass = Literal["LOA10", "LOA20", "LOA30", "LOA40", "LOA50"]
 """Level of Accuracy (USIBD C120): LOA10 is the coarsest, LOA50 the finest."""
+
+DoorEvidence = Literal["holes", "floor", "reveal", "truth"]
+"""`holes`: both faces of the wall lack points at the same place. `floor`: floor lies between the faces.
+`reveal`: jambs or a lintel lie between them. `truth`: the scene was built with it."""
 
 
 @dataclass(frozen=True)
@@ -172,6 +176,23 @@ class RoomMesh:
 
 
 @dataclass(frozen=True)
+class Doorway:
+    """An open passage through the wall between two rooms."""
+
+    id: str
+    """``door-1``, ``door-2``, ..."""
+    rooms: tuple[str, str]
+    faces: tuple[str, str]
+    """The wall face on either side, in the order of `rooms`."""
+    sill_m: Float[np.ndarray, " 3"]
+    """Scan frame: the middle of the opening, in the middle of the wall, at the height of the floor."""
+    width_m: float
+    """Clear width, approximate: to the nearest points of the wall."""
+    evidence: tuple[DoorEvidence, ...]
+    """What speaks for it."""
+
+
+@dataclass(frozen=True)
 class FitResult:
     """Everything that one run found. Immutable; `io.write_model_json` is its lossless form."""
 
@@ -191,6 +212,8 @@ class FitResult:
     """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
     textures: TextureSet | None = None
     """Images on the faces; None where there are no colours, or none were wanted."""
+    adjacency: tuple[Doorway, ...] = ()
+    """Doorways between the rooms."""
     prediction: Prediction | None = field(default=None, repr=False, compare=False)
     """Intervals at any level, for dimensions, rooms and plane offsets in the order of `measure.measurands`;
     None for a result that was read from a file."""

@@ -27,7 +27,17 @@ from indoorfit.fitting import (
     honesty_notes,
     type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Survey, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import (
+    PlaneEvidence,
+    Survey,
+    Verdict,
+    assemble,
+    face_notes,
+    find_doors,
+    measurands,
+    survey,
+    with_thicknesses,
+)
 from indoorfit.model import (
     FaceClass,
     FitResult,
@@ -187,6 +197,9 @@ def _measure(
     with watch.stage("solid"):
         solids = [subtract_cubes(shape, room) for room in shape.rooms]
         found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+        found = with_thicknesses(shape, found)
+        in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
+        doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
@@ -218,6 +231,7 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+    result = replace(result, adjacency=doors)
     if belief.slips is None or scan.frame_ids is None:
         return result
     motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)

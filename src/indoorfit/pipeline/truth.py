@@ -5,12 +5,22 @@ from typing import Any
 
 import numpy as np
 
-from indoorfit.measure import ExactPrediction, PlaneEvidence, Survey, Verdict, assemble, measurands, survey
+from indoorfit.measure import (
+    ExactPrediction,
+    PlaneEvidence,
+    Survey,
+    Verdict,
+    assemble,
+    measurands,
+    survey,
+    with_thicknesses,
+)
 from indoorfit.model import FitResult, Frame, Note, Shape
 from indoorfit.simulate import VirtualScan, cut_planes, seen_of_planes
 from indoorfit.solid import face_polygons, subtract_cubes
 
 from .provenance import package_version
+from .true_doors import true_doors
 
 _LEVEL = 0.95
 """Intervals without width hold the truth at every level; the contract asks for one below 1."""
@@ -40,8 +50,9 @@ def truth_result(
         shape = replace(shape, planes=planes)
     solids = [subtract_cubes(shape, room) for room in shape.rooms]
     found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+    found = with_thicknesses(shape, found)
     values = np.array([measurand.value for measurand in measurands(found, n)])
-    return assemble(
+    result = assemble(
         shape,
         frame,
         found,
@@ -56,6 +67,9 @@ def truth_result(
             converged=True,
         ),
     )
+    if seen is None or seen.scene is None:
+        return result
+    return replace(result, adjacency=true_doors(seen.scene, shape, frame, found))
 
 
 def _unseen(shape: Shape, found: Survey) -> tuple[Note, ...]:
