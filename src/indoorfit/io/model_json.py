@@ -1,8 +1,8 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
 Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``adjacency``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``, ``wall``
-and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
+``converged``, ``adjacency``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``,
+``wall`` and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
 """
 
 import json

@@ -7,6 +7,7 @@ from indoorfit.model import FitResult, Room
 
 from .arrows import INFERRED, TEXT
 from .display import Item, Label, Region, Stroke
+from .doorways import doorway_text
 from .facts import input_name, level_text
 from .lettering import text_width
 
@@ -52,7 +53,8 @@ def caption(
         items.append(Label(text, (0.0, y), 11.5, TEXT, "start"))
         y += _ROW
     rooms = [line for room in result.rooms for line in _room_lines(result, room)]
-    for line in [*rooms, *_cramped_lines(cramped, width)]:
+    doors = [doorway_text(doorway) for doorway in result.adjacency]
+    for line in [*rooms, *doors, *_cramped_lines(cramped, width)]:
         items.append(Label(line, (0.0, y), 11.5, TEXT, "start"))
         y += _ROW
     return items, y - 0.5 * _ROW

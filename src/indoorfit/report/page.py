@@ -9,6 +9,7 @@ from typing import Any
 from indoorfit.export import quantity_text
 from indoorfit.model import FitResult, Quantity
 
+from .doorways import evidence_text
 from .facts import input_name, level_text
 from .style import STYLE
 from .table import what_is_measured
@@ -30,6 +31,7 @@ def report_html(result: FitResult, plan_svg: str) -> str:
         f'<section><h2>Plan</h2><div class="plan">{plan_svg}</div></section>',
         *_dimensions(result),
         *_rooms(result),
+        *_doorways(result),
         *_textures(result),
         *_noise(result),
         *_provenance(result),
@@ -125,6 +127,23 @@ def _textures(result: FitResult) -> list[str]:
         _table(head, rows),
         '<p class="quiet">What was neither seen nor filled is transparent in the image.</p></section>',
     ]
+
+
+def _doorways(result: FitResult) -> list[str]:
+    if not result.adjacency:
+        return []
+    rows = [
+        (
+            ("id", doorway.id),
+            ("", " and ".join(doorway.rooms)),
+            ("", " and ".join(doorway.faces)),
+            ("number", f"{doorway.width_m:.2f}"),
+            ("", evidence_text(doorway.evidence)),
+        )
+        for doorway in result.adjacency
+    ]
+    head = ("Door", "Joins", "Through", "Width, m, about", "Evidence")
+    return ["<section><h2>Doors between rooms</h2>", _table(head, rows), "</section>"]
 
 
 def _noise(result: FitResult) -> list[str]:

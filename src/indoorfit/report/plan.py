@@ -12,6 +12,7 @@ from indoorfit.model import FitResult
 from .arrows import INFERRED, draw_placement
 from .caption import caption, heading
 from .display import Dots, Item, Label, Picture, Region, Stroke
+from .doorways import draw_doorways
 from .layout import Layout, lay_out
 from .names import FLOOR
 from .outline import BAND, Outline
@@ -79,6 +80,7 @@ def plan_picture(
     outline = plan.outline
     arrows = [item for placement in plan.placements for item in draw_placement(placement)]
     drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_steps(outline), *_walls(outline)]
+    drawing += draw_doorways(result, outline)
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
     marks = [*plan.names, *arrows]
     drawing += [item for item in marks if not isinstance(item, Label)]

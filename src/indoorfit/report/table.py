@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from indoorfit.export import quantity_text
 from indoorfit.model import Dimension, FitResult, Quantity
 
+from .doorways import doorway_text
 from .facts import level_text
 
 _GAP = "  "
@@ -32,6 +33,8 @@ def dimension_table(result: FitResult) -> str:
             )
         ]
         blocks.append(aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
+    if result.adjacency:
+        blocks.append("\n".join(doorway_text(doorway) for doorway in result.adjacency))
     if result.notes:
         blocks.append("\n".join(f"warning {note.code}: {note.message}" for note in result.notes))
     if not result.converged:
@@ -42,7 +45,8 @@ def dimension_table(result: FitResult) -> str:
 def what_is_measured(dimension: Dimension, with_room: bool) -> str:
     """One phrase for a dimension: `wall-1, from wall-4 to wall-2`."""
     subject = dimension.wall or dimension.kind
-    room = f"{dimension.room} " if with_room and dimension.wall is None else ""
+    between = dimension.wall is not None or dimension.kind == "thickness"
+    room = f"{dimension.room} " if with_room and not between else ""
     return f"{room}{subject}, from {dimension.faces[0]} to {dimension.faces[1]}"
 
 
