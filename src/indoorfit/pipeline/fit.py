@@ -44,6 +44,7 @@ from indoorfit.model import (
     Frame,
     Note,
     Pictures,
+    RoomSolid,
     Scan,
     Segments,
     Shape,
@@ -195,9 +196,7 @@ def _measure(
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
-        solids = [subtract_cubes(shape, room) for room in shape.rooms]
-        found = survey(shape, solids, [face_polygons(solid) for solid in solids])
-        found = with_thicknesses(shape, found)
+        solids, found = _surveyed(shape)
         in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
         doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
@@ -236,6 +235,13 @@ def _measure(
         return result
     motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)
     return replace(result, registration=motions)
+
+
+def _surveyed(shape: Shape) -> tuple[list[RoomSolid], Survey]:
+    """The solid of every room, and all that can be measured on and between them."""
+    solids = [subtract_cubes(shape, room) for room in shape.rooms]
+    found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+    return solids, with_thicknesses(shape, found)
 
 
 def _honest(
