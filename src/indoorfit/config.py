@@ -2,9 +2,10 @@
 
 import dataclasses
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import cattrs
 from cattrs.gen import make_dict_structure_fn
@@ -24,6 +25,8 @@ from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.texture import TextureConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
+
+SETTINGS_HINT = "see configs/default.toml for the settings."
 
 
 @dataclass(frozen=True)
@@ -100,14 +103,26 @@ def config_from_dict(settings: dict[str, Any], name: str = "settings") -> RunCon
     Raises:
         ConfigError: naming every key that is wrong.
     """
+    return structured(settings, RunConfig, name)
+
+
+T = TypeVar("T")
+
+
+def structured(settings: Mapping[str, Any], kind: type[T], name: str, hint: str = SETTINGS_HINT) -> T:
+    """Nested dictionaries as a dataclass: unknown keys and values of the wrong type are errors.
+
+    Raises:
+        ConfigError: naming every key that is wrong.
+    """
     try:
-        return _converter().structure(settings, RunConfig)
+        return _converter().structure(settings, kind)
     except cattrs.BaseValidationError as error:
         refused = _config_error(error)
         if refused is not None:
             raise refused from error
         problems = "; ".join(cattrs.transform_error(error, path=name))
-        raise ConfigError(f"{problems}. Fix: see `indoorfit fit --help` for the settings.") from error
+        raise ConfigError(f"{problems}. Fix: {hint}") from error
 
 
 def _config_error(error: BaseException) -> ConfigError | None:

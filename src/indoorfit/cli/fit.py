@@ -29,6 +29,8 @@ class FitCommand:
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
     config: Path | None = None
     """TOML file with settings; options given here win over it."""
+    tape: Path | None = None
+    """Readings of a tape or laser meter (CSV, TOML; see tape-template): adds deviation and E_n."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
     up: Up | None = None
@@ -59,7 +61,7 @@ class FitCommand:
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
         set_up_logging(self.quiet, self.verbose)
-        from indoorfit.io import read_scan
+        from indoorfit.io import read_scan, read_tape
 
         check_output_directory(self.out, overwrite=self.overwrite)
         if self.format:
@@ -70,6 +72,8 @@ class FitCommand:
         given["sample"] = self.sample or None
         config = run_config(self.config, self.up, self.sensor, **given)
         config = replace(config, texture=self.textures.settings(config.texture))
+        # Before the scan: a wrong table is told at once, not after the fit.
+        tape = None if self.tape is None else read_tape(self.tape)
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)
         registered = self.write_registered
@@ -81,6 +85,7 @@ class FitCommand:
             config,
             self.out,
             pictures,
+            tape,
             overwrite=self.overwrite,
             as_json=self.json,
             formats=self.format,
@@ -113,6 +118,7 @@ def run_pipeline(
     config,
     out: Path,
     pictures=None,
+    tape=None,
     *,
     overwrite: bool,
     as_json: bool,
@@ -124,7 +130,7 @@ def run_pipeline(
 
     from indoorfit.io import to_document
     from indoorfit.model import Pictures
-    from indoorfit.pipeline import fit_scan, write_outputs
+    from indoorfit.pipeline import fit_scan, with_tape, write_outputs
     from indoorfit.report import dimension_table
 
     log = logging.getLogger("indoorfit")
@@ -132,6 +138,10 @@ def run_pipeline(
         # At once: the note on the unit is the likeliest reason for what goes wrong later.
         log.warning("%s: %s", note.code, note.message)
     result = fit_scan(scan, config, pictures or Pictures())
+    if tape is not None:
+        result = with_tape(result, tape)
+        for row in result.tape.refused if result.tape else ():
+            log.warning("%s, line %d: %s", tape.name, row.line, row.reason)
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
     if registered is not None:

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from indoorfit.errors import SamplingError
+from indoorfit.errors import ConfigError, SamplingError
 from indoorfit.geometry import exposures, room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
@@ -44,6 +44,15 @@ class BeliefConfig:
     """Random slips of the frames: for scans that keep the frame of every point."""
     fusion: FusionConfig = field(default_factory=FusionConfig)
     """When the two contradict each other."""
+    inflation: float = 1.0
+    """Factor on every standard uncertainty and on both sides of every interval, which is the same as one on
+    all noise scales. 1 takes the noise model at its word; `indoorfit calibrate` learns it from a tape."""
+
+    def __post_init__(self) -> None:
+        if not self.inflation > 0.0:
+            raise ConfigError(
+                f"belief.inflation: got {self.inflation}; a positive number is needed. Fix: write 1.0."
+            )
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
-Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``adjacency``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``,
-``wall`` and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
+Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes``, ``converged``,
+``adjacency`` and, where known, ``textures``, ``plane_covariance`` and ``tape``; ``sides`` of cubes, ``side``
+and ``plane`` of faces, ``room``, ``wall`` and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and
+``intervals`` of quantities.
 """
 
 import json
@@ -27,6 +28,7 @@ from ..model import (
     Plane,
     Quantity,
     Room,
+    TapeVerdict,
     TextureSet,
 )
 
@@ -68,6 +70,10 @@ def to_document(result: FitResult) -> dict[str, Any]:
         "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
         "provenance": _plain(result.provenance, "provenance"),
     }
+    if result.plane_covariance_m2 is not None:
+        document["plane_covariance"] = _numbers(result.plane_covariance_m2)
+    if result.tape is not None:
+        document["tape"] = _tape(result.tape)
     _require_finite(document, "")
     return document
 
@@ -221,6 +227,28 @@ def _doorway(doorway: Doorway) -> dict[str, Any]:
         "sill": _numbers(doorway.sill_m),
         "width": float(doorway.width_m),
         "evidence": list(doorway.evidence),
+    }
+
+
+def _tape(tape: TapeVerdict) -> dict[str, Any]:
+    return {
+        "source": tape.source,
+        "sha256": tape.sha256,
+        "chi2": float(tape.chi2),
+        "p_value": float(tape.p_value),
+        "checks": [
+            {
+                "dimension": check.dimension,
+                "lines": list(check.lines),
+                "value": float(check.value_m),
+                "std": float(check.std_m),
+                "deviation": float(check.deviation_m),
+                "e_n": float(check.e_n),
+                "holds": bool(check.holds),
+            }
+            for check in tape.checks
+        ],
+        "refused": [{"line": row.line, "reason": row.reason} for row in tape.refused],
     }
 
 

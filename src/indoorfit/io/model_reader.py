@@ -26,10 +26,13 @@ from ..model import (
     Plane,
     PlaneStatus,
     Quantity,
+    RefusedRow,
     Role,
     Room,
     Shape,
     Side,
+    TapeCheck,
+    TapeVerdict,
 )
 from .checked_json import JsonNode, read_json
 from .model_json import SCHEMA_NAME
@@ -75,6 +78,36 @@ def read_model_json(path: str | Path) -> FitResult:
         converged=root["converged"].truth(),
         adjacency=tuple(_doorway(node, room_ids, face_ids) for node in root["adjacency"].items()),
         textures=read_textures(root, Path(path).parent, face_ids),
+        plane_covariance_m2=_covariance(root, len(planes)),
+        tape=_tape(root["tape"]) if "tape" in root.mapping() else None,
+    )
+
+
+def _covariance(root: JsonNode, n_planes: int) -> np.ndarray | None:
+    if "plane_covariance" not in root.mapping():
+        return None
+    return root["plane_covariance"].array(n_planes, n_planes)
+
+
+def _tape(node: JsonNode) -> TapeVerdict:
+    return TapeVerdict(
+        source=node["source"].text(),
+        sha256=node["sha256"].text(),
+        checks=tuple(
+            TapeCheck(
+                dimension=check["dimension"].text(),
+                lines=tuple(line.integer(1) for line in check["lines"].items()),
+                value_m=check["value"].number(),
+                std_m=check["std"].number(),
+                deviation_m=check["deviation"].number(),
+                e_n=check["e_n"].number(),
+                holds=check["holds"].truth(),
+            )
+            for check in node["checks"].items()
+        ),
+        refused=tuple(RefusedRow(r["line"].integer(1), r["reason"].text()) for r in node["refused"].items()),
+        chi2=node["chi2"].number(),
+        p_value=node["p_value"].number(),
     )
 
 

@@ -42,6 +42,12 @@ from .solid import RoomSolid as RoomSolid
 from .spread import STANDARD_LEVELS as STANDARD_LEVELS
 from .spread import Prediction as Prediction
 from .spread import Spread as Spread
+from .tape import Instrument as Instrument
+from .tape import RefusedRow as RefusedRow
+from .tape import TapeCheck as TapeCheck
+from .tape import TapeReading as TapeReading
+from .tape import TapeTable as TapeTable
+from .tape import TapeVerdict as TapeVerdict
 from .texture import TEXTURE_FOLDER as TEXTURE_FOLDER
 from .texture import FaceTexture as FaceTexture
 from .texture import ImageFormat as ImageFormat

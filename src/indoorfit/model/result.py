@@ -11,6 +11,7 @@ from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
 from .registration import FrameMotion
 from .spread import Prediction
+from .tape import TapeVerdict
 from .texture import TextureSet
 
 Method = Literal["joint", "greedy", "truth"]
@@ -220,6 +221,10 @@ class FitResult:
     registration: tuple[FrameMotion, ...] = ()
     """How to move each frame of the scan, where frame ids showed it. About the scan and not about the room:
     the one field that ``model.json`` leaves out."""
+    plane_covariance_m2: Float[np.ndarray, "planes planes"] | None = None
+    """Of the offsets of the shape's planes: how lengths that share a wall err together; or None."""
+    tape: TapeVerdict | None = None
+    """How the lengths compare with readings of a tape or laser meter, where some were given."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

@@ -25,6 +25,7 @@ from indoorfit.fitting import (
     fit_joint,
     frame_motions,
     honesty_notes,
+    plane_covariance,
     type_b_of,
 )
 from indoorfit.measure import (
@@ -203,7 +204,8 @@ def _measure(
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
-        prediction = MeasurandPrediction(belief, values, gradients, type_b)
+        prediction = MeasurandPrediction(belief, values, gradients, type_b, config.belief.inflation)
+        covariance_m2 = plane_covariance(belief, config.belief.inflation)
     with watch.stage("honesty"):
         doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
@@ -230,7 +232,7 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
-    result = replace(result, adjacency=doors)
+    result = replace(result, adjacency=doors, plane_covariance_m2=covariance_m2)
     if belief.slips is None or scan.frame_ids is None:
         return result
     motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -11,8 +11,9 @@ from indoorfit.model import FitResult, Quantity
 
 from .doorways import evidence_text
 from .facts import input_name, level_text
-from .style import STYLE
+from .markup import html_page, html_table
 from .table import what_is_measured
+from .tape import tape_section
 from .textures import texture_rows
 
 
@@ -30,18 +31,14 @@ def report_html(result: FitResult, plan_svg: str) -> str:
         *_warnings(result),
         f'<section><h2>Plan</h2><div class="plan">{plan_svg}</div></section>',
         *_dimensions(result),
+        *tape_section(result),
         *_rooms(result),
         *_doorways(result),
         *_textures(result),
         *_noise(result),
         *_provenance(result),
     ]
-    head = (
-        '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{STYLE}</style>"
-    )
-    content = "\n".join(body)
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{content}\n</body></html>\n'
+    return html_page(title, body)
 
 
 def _summary(result: FitResult) -> str:
@@ -81,7 +78,7 @@ def _dimensions(result: FitResult) -> list[str]:
     )  # fmt: skip
     return [
         "<section><h2>Dimensions</h2>",
-        _table(head, rows),
+        html_table(head, rows),
         '<p class="quiet">Clear lengths between mean wall planes. The columns u are standard uncertainties: '
         "what the residuals of the scan show, a possible error of its scale, and where the wall is (plaster, "
         "skirting). Their squares add up; k times the root is half the interval (JCGM 100). Accuracy is the "
@@ -113,7 +110,7 @@ def _rooms(result: FitResult) -> list[str]:
         )
     ]
     head = ("Room", "What", "Value", f"Interval, {level_text(result.level)}", "Unit")
-    return ["<section><h2>Rooms</h2>", _table(head, rows), "</section>"]
+    return ["<section><h2>Rooms</h2>", html_table(head, rows), "</section>"]
 
 
 def _textures(result: FitResult) -> list[str]:
@@ -124,7 +121,7 @@ def _textures(result: FitResult) -> list[str]:
     head = ("Face", "Image", "Colours from", "Pixel, cm", "Seen, %", "Filled, %")
     return [
         "<section><h2>Textures</h2>",
-        _table(head, rows),
+        html_table(head, rows),
         '<p class="quiet">What was neither seen nor filled is transparent in the image.</p></section>',
     ]
 
@@ -143,7 +140,7 @@ def _doorways(result: FitResult) -> list[str]:
         for doorway in result.adjacency
     ]
     head = ("Door", "Joins", "Through", "Width, m, about", "Evidence")
-    return ["<section><h2>Doors between rooms</h2>", _table(head, rows), "</section>"]
+    return ["<section><h2>Doors between rooms</h2>", html_table(head, rows), "</section>"]
 
 
 def _noise(result: FitResult) -> list[str]:
@@ -153,12 +150,12 @@ def _noise(result: FitResult) -> list[str]:
     if explanation:
         parts.append(f"<p>{escape(str(explanation))}</p>")
     if plain:
-        parts.append(_table(("Noise model", "Value"), _pairs(plain)))
+        parts.append(html_table(("Noise model", "Value"), _pairs(plain)))
     return [*parts, "</section>"]
 
 
 def _provenance(result: FitResult) -> list[str]:
-    table = _table(("What", "Value"), _pairs(result.provenance))
+    table = html_table(("What", "Value"), _pairs(result.provenance))
     return ["<section><h2>Provenance</h2>", table, "</section>"]
 
 
@@ -177,25 +174,3 @@ def _pairs(values: Mapping[str, Any]) -> list[tuple[tuple[str, str], tuple[str, 
             text = value if isinstance(value, str) else json.dumps(value, default=str)
             rows.append((("", str(key)), ("", text)))
     return rows
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[tuple[str, str]]]) -> str:
-    """A table of (class, text) cells; a head cell above numbers is set to the right like them."""
-    rows = list(rows)
-    classes = [cell[0] for cell in rows[0]] if rows else [""] * len(head)
-    titles = "".join(
-        f'<th scope="col"{_class("number" * (kind == "number"))}>{escape(text)}</th>'
-        for text, kind in zip(head, classes, strict=True)
-    )
-    lines = [
-        "<tr>" + "".join(f"<td{_class(kind)}>{escape(text)}</td>" for kind, text in row) + "</tr>"
-        for row in rows
-    ]
-    content = "\n".join(lines)
-    return (
-        f'<div class="wide"><table><thead><tr>{titles}</tr></thead>\n<tbody>{content}</tbody></table></div>'
-    )
-
-
-def _class(kind: str) -> str:
-    return f' class="{escape(kind)}"' if kind else ""
