@@ -29,6 +29,8 @@ class FitCommand:
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
     config: Path | None = None
     """TOML file with settings; options given here win over it."""
+    overrides: Path | None = None
+    """TOML file with a table [overrides]: walls forced or forbidden, boxes ignored, yaw, up axis."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
     up: Up | None = None
@@ -68,7 +70,7 @@ class FitCommand:
             check_formats(self.format)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
         given["sample"] = self.sample or None
-        config = run_config(self.config, self.up, self.sensor, **given)
+        config = run_config(self.config, self.up, self.sensor, self.overrides, **given)
         config = replace(config, texture=self.textures.settings(config.texture))
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)

@@ -1,6 +1,9 @@
 """What people see: plan, tables, page and picture."""
 
 from .dxf import to_dxf as to_dxf
+from .explain_picture import explain_picture as explain_picture
+from .explain_text import explain_document as explain_document
+from .explain_text import explain_table as explain_table
 from .layout import UNIT_MM as UNIT_MM
 from .page import report_html as report_html
 from .pdf import to_pdf as to_pdf
