@@ -31,6 +31,8 @@ class FitCommand:
     """TOML file with settings; options given here win over it."""
     tape: Path | None = None
     """Readings of a tape or laser meter (CSV, TOML; see tape-template): adds deviation and E_n."""
+    overrides: Path | None = None
+    """TOML file with a table [overrides]: walls forced or forbidden, boxes ignored, yaw, up axis."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
     up: Up | None = None
@@ -70,7 +72,7 @@ class FitCommand:
             check_formats(self.format)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
         given["sample"] = self.sample or None
-        config = run_config(self.config, self.up, self.sensor, **given)
+        config = run_config(self.config, self.up, self.sensor, self.overrides, **given)
         config = replace(config, texture=self.textures.settings(config.texture))
         # Before the scan: a wrong table is told at once, not after the fit.
         tape = None if self.tape is None else read_tape(self.tape)

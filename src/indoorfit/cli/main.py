@@ -18,6 +18,7 @@ from .compare import CompareCommand  # noqa: E402
 from .convert import ConvertCommand  # noqa: E402
 from .demo import DemoCommand  # noqa: E402
 from .evaluate import EvaluateCommand  # noqa: E402
+from .explain import ExplainCommand  # noqa: E402
 from .fit import FitCommand  # noqa: E402
 from .info import InfoCommand  # noqa: E402
 from .simulate import SimulateCommand  # noqa: E402
@@ -27,6 +28,7 @@ Command = (
     Annotated[FitCommand, tyro.conf.subcommand("fit")]
     | Annotated[ConvertCommand, tyro.conf.subcommand("convert")]
     | Annotated[CompareCommand, tyro.conf.subcommand("compare")]
+    | Annotated[ExplainCommand, tyro.conf.subcommand("explain")]
     | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
     | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
     | Annotated[InfoCommand, tyro.conf.subcommand("info")]

@@ -11,6 +11,12 @@ from indoorfit.model import Note
 from .evidence import Evidence
 from .minimise import PlanEnergy, minimise
 
+Borders = tuple[Bool[np.ndarray, "nx1 ny"], Bool[np.ndarray, "nx ny1"]]
+"""A choice among the borders of constant x, and of constant y; the outermost included."""
+
+FORBIDDEN_NATS = 1e5
+"""Cost of a forbidden border: the evidence of a storey of 1000 m² is some ten thousand nats."""
+
 
 @dataclass(frozen=True)
 class LabelConfig:
@@ -65,6 +71,7 @@ def label_cells(
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
     seen_m2: float,
     config: LabelConfig,
+    forbidden: Borders | None = None,
 ) -> tuple[Bool[np.ndarray, "nx ny"], tuple[Note, ...]]:
     """Minimise the negative log posterior of inside/outside labels over the plan's cells.
 
@@ -77,19 +84,31 @@ def label_cells(
         grid: candidate lines, Manhattan frame, metres.
         seen_m2: area of all surfaces that were seen, for the price of a wall.
         config: see `LabelConfig`.
+        forbidden: borders of constant x, of constant y, along which no outline may run.
     """
+    energy = plan_energy(evidence, grid, seen_m2, config, forbidden)
+    inside, gap = minimise(energy, config.max_open_cells)
+    # A whole wall's price short of the best is worth a warning.
+    return inside, (_gap_note(gap),) if gap > price_of_one(seen_m2, config) else ()
+
+
+def plan_energy(
+    evidence: Evidence,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    seen_m2: float,
+    config: LabelConfig,
+    forbidden: Borders | None = None,
+) -> PlanEnergy:
+    """The terms of the energy that `label_cells` minimises, nats."""
     widths = [np.diff(line) for line in grid]
-    cells = -_cell_gain(evidence, np.outer(*widths), config)
+    cells = cell_costs(evidence, np.outer(*widths), config)
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
         cost = -log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
-        borders.append(cost * along / config.patch_m)
-    price = price_of_one(seen_m2, config)
-    energy = PlanEnergy(cells, (borders[0], borders[1]), price)
-    inside, gap = minimise(energy, config.max_open_cells)
-    # A whole wall's price short of the best is worth a warning.
-    return inside, (_gap_note(gap),) if gap > price else ()
+        cost = cost * along / config.patch_m
+        borders.append(cost if forbidden is None else np.where(forbidden[axis], FORBIDDEN_NATS, cost))
+    return PlanEnergy(cells, (borders[0], borders[1]), price_of_one(seen_m2, config))
 
 
 def price_of_one(seen_m2: float, config: LabelConfig) -> float:
@@ -124,9 +143,10 @@ def _odds_of_one(if_true: float, if_false: float) -> tuple[float, float]:
     return float(np.log(if_true / if_false)), float(np.log((1.0 - if_true) / (1.0 - if_false)))
 
 
-def _cell_gain(
+def cell_costs(
     evidence: Evidence, area_m2: Float[np.ndarray, "nx ny"], config: LabelConfig
 ) -> Float[np.ndarray, "nx ny"]:
+    """What each cell costs if it is inside, nats: minus the log odds of its ceiling and floor."""
     fine, coarse = area_m2 / config.patch_m**2, area_m2 / config.unseen_m**2
     seen, unseen = _odds_of_one(config.floor_inside, config.floor_outside)
     gain = evidence.floor * fine * seen + (1.0 - evidence.floor) * coarse * unseen
@@ -137,4 +157,4 @@ def _cell_gain(
         missing = np.minimum(1.0 - evidence.ceiling, evidence.floor)
         gain += evidence.ceiling * fine * seen
         gain += (missing * fine + (1.0 - evidence.ceiling - missing) * coarse) * unseen
-    return gain
+    return -gain

@@ -15,6 +15,9 @@ from .grammar import Side as Side
 from .grammar import side_axis as side_axis
 from .grammar import side_sign as side_sign
 from .notes import Note as Note
+from .overrides import IgnoredBox as IgnoredBox
+from .overrides import OverrideConfig as OverrideConfig
+from .overrides import WallLine as WallLine
 from .picture import Camera as Camera
 from .picture import CameraImage as CameraImage
 from .picture import Photo as Photo

@@ -1,5 +1,7 @@
 """The order of the stages, and nothing else."""
 
+from .explaining import Explained as Explained
+from .explaining import explain_scan as explain_scan
 from .fit import fit_scan as fit_scan
 from .formats import FORMATS as FORMATS
 from .formats import Format as Format

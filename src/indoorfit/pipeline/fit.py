@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
 from indoorfit.fitting import (
@@ -40,24 +39,19 @@ from indoorfit.measure import (
     with_thicknesses,
 )
 from indoorfit.model import (
-    FaceClass,
     FitResult,
     Frame,
     Note,
     Pictures,
     RoomSolid,
     Scan,
-    Segments,
     Shape,
-    Surfels,
-    VoxelCloud,
 )
-from indoorfit.orient import orient
-from indoorfit.segment import grow_surfaces
 from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
-from indoorfit.thin import surfels, thin
 
+from .front import FrontEnd, front_end
+from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
 
 log = logging.getLogger("indoorfit")
@@ -83,7 +77,8 @@ def fit_scan(scan: Scan, config: RunConfig | None = None, pictures: Pictures = _
     """
     # The matrices are small: with more than one BLAS thread waking them takes most of the time.
     with threadpool_limits(1, "blas"):
-        config, watch = config or RunConfig(), Stopwatch()
+        scan, config = overridden(scan, config or RunConfig())
+        watch = Stopwatch()
         return _textured(_run(scan, config, watch), scan, pictures, config, watch)
 
 
@@ -101,19 +96,9 @@ def _textured(
 
 def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> FitResult:
     rng = np.random.default_rng(config.seed)
-    with watch.stage("thin"):
-        voxels = thin(scan, config.thin)
-        local = surfels(voxels, config.surfels)
-    log.info("thin: %d points in %d voxels of %.1f cm", scan.n_points, voxels.n_voxels, 100 * voxels.voxel_m)
-    with watch.stage("orient"):
-        frame, orient_notes = orient(local, voxels.origin_m, config.orient, rng)
-        local = _turned(local, frame)
-    with watch.stage("segment"):
-        segments = grow_surfaces(local, config.segment)
-        classes = classify(segments, config.classify)
-    log.info("segment: %d surfaces", segments.n_segments)
-    fitted = _fit(scan, frame, voxels, local, segments, classes, config, rng, watch)
-    return _measure(scan, fitted, (*scan.notes, *orient_notes), config, rng, watch)
+    front = front_end(scan, config, rng, watch)
+    fitted = _fit(scan, front, config, rng, watch)
+    return _measure(scan, fitted, (*scan.notes, *front.notes), config, rng, watch)
 
 
 @dataclass(frozen=True)
@@ -130,35 +115,23 @@ class _Fitted:
     converged: bool
 
 
-def _turned(local: Surfels, frame: Frame) -> Surfels:
-    """Surfels from the scan's axes to the Manhattan frame."""
-    rotation = frame.R_manhattan_scan.T
-    return replace(local, positions_m=local.positions_m @ rotation, normals=local.normals @ rotation)
-
-
 def _fit(
-    scan: Scan,
-    frame: Frame,
-    voxels: VoxelCloud,
-    local: Surfels,
-    segments: Segments,
-    classes: tuple[FaceClass | None, ...],
-    config: RunConfig,
-    rng: np.random.Generator,
-    watch: Stopwatch,
+    scan: Scan, front: FrontEnd, config: RunConfig, rng: np.random.Generator, watch: Stopwatch
 ) -> _Fitted:
+    frame, local, segments, classes = front.frame, front.surfels, front.segments, front.classes
     # Four surfels a square on average: the finest raster in which a full surface has no holes.
     pixel_m = 2.0 * float(np.sqrt(local.area_m2))
     if config.method == "greedy":
         with watch.stage("fit"):
-            point_surfel = voxels.point_voxel
+            point_surfel = front.point_surfel
             greedy = fit_greedy(scan, frame, local, segments, classes, point_surfel, config.greedy, rng)
             shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
     else:
         with watch.stage("discover"):
-            start, notes = discover(local, segments, classes, config.discover)
+            said = plan_overrides(config.overrides, frame)
+            start, notes = discover(local, segments, classes, config.discover, said)
         log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
         with watch.stage("fit"):
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)

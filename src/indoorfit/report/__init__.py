@@ -6,6 +6,9 @@ from .display import Picture as Picture
 from .display import Region as Region
 from .display import Stroke as Stroke
 from .dxf import to_dxf as to_dxf
+from .explain_picture import explain_picture as explain_picture
+from .explain_text import explain_document as explain_document
+from .explain_text import explain_table as explain_table
 from .layout import UNIT_MM as UNIT_MM
 from .markup import html_page as html_page
 from .markup import html_table as html_table
