@@ -18,6 +18,7 @@ from .page import view as view  # noqa: E402
 from .pool import Limits as Limits  # noqa: E402
 from .preset import preset_toml as preset_toml  # noqa: E402
 from .preset import read_lengths as read_lengths  # noqa: E402
+from .reliability import reliability_of as reliability_of  # noqa: E402
 from .run import RunOptions as RunOptions  # noqa: E402
 from .run import run_batch as run_batch  # noqa: E402
 from .write import write_tables as write_tables  # noqa: E402

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from indoorfit.report import html_page, html_table
+from indoorfit.report import html_page, html_table, to_svg
 
 from .collect import Record, Tables
 from .plots import error_picture, reliability_picture
@@ -130,7 +130,7 @@ def _pictures(lengths: Sequence[Record]) -> list[str]:
     if not lengths:
         return []
     pictures = [error_picture(lengths), reliability_picture(lengths)]
-    shown = "".join(f'<div class="plan">{picture}</div>' for picture in pictures if picture)
+    shown = "".join(f'<div class="plan">{to_svg(picture)}</div>' for picture in pictures if picture)
     return [f"<section><h2>Pictures</h2>{shown}</section>"]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.special import ndtr, ndtri
 
-from indoorfit.report import Item, Label, Picture, Region, Stroke, to_svg
+from indoorfit.report import Item, Label, Picture, Region, Stroke
 
 from .collect import Record
 
@@ -16,8 +16,8 @@ _BOX = (70.0, 30.0, 480.0, 330.0)
 """Left, top, right, bottom of the frame on a page of 640 x 390."""
 
 
-def error_picture(lengths: Sequence[Record]) -> str:
-    """Share of the lengths whose error is below so many millimetres, one curve per configuration, as SVG."""
+def error_picture(lengths: Sequence[Record]) -> Picture:
+    """Share of the lengths whose error is below so many millimetres, one curve per configuration."""
     errors_mm = {name: np.sort(np.abs([1e3 * r["error_m"] for r in own])) for name, own in _by(lengths)}
     low, high = -1.0, 3.0
 
@@ -35,7 +35,7 @@ def error_picture(lengths: Sequence[Record]) -> str:
     return _chart("Errors", "absolute error, mm", "share of lengths below", ticks, curves, False)
 
 
-def reliability_picture(lengths: Sequence[Record]) -> str | None:
+def reliability_picture(lengths: Sequence[Record]) -> Picture | None:
     """Share of references held against the nominal coverage of the interval, one curve per configuration.
 
     Every interval is shrunk and stretched as a normal one would be. On the diagonal intervals are right,
@@ -75,7 +75,7 @@ def _chart(
     ticks: list[tuple[float, str]],
     curves: list[tuple[str, Float[np.ndarray, "_ 2"]]],
     diagonal: bool,
-) -> str:
+) -> Picture:
     left, top, right, bottom = _BOX
 
     def on_page(points: Float[np.ndarray, "points 2"]) -> Float[np.ndarray, "points 2"]:
@@ -94,7 +94,7 @@ def _chart(
     items.append(Region((frame,), None, _LINE, 1.0))
     items.append(Label(x_title, (0.5 * (left + right), bottom + 40.0), 12.0, _LINE))
     items.append(Label(y_title, (22.0, 0.5 * (top + bottom)), 12.0, _LINE, "middle", upright=True))
-    return to_svg(Picture(640.0, 390.0, "#ffffff", tuple(items), title, f"{y_title} over {x_title}"))
+    return Picture(640.0, 390.0, "#ffffff", tuple(items), title, f"{y_title} over {x_title}")
 
 
 def _grid(ticks: list[tuple[float, str]], on_page: Callable) -> list[Item]:

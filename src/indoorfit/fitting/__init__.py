@@ -2,12 +2,14 @@
 
 from .association import AssociationConfig as AssociationConfig
 from .association import associate as associate
+from .association import claims as claims
 from .belief import Belief as Belief
 from .belief import BeliefConfig as BeliefConfig
 from .belief import believe as believe
 from .frames import cells_by_frame as cells_by_frame
 from .greedy import GreedyConfig as GreedyConfig
 from .greedy import GreedyFit as GreedyFit
+from .greedy import GreedyStep as GreedyStep
 from .greedy import fit_greedy as fit_greedy
 from .honesty import Evidence as Evidence
 from .honesty import HonestyConfig as HonestyConfig
@@ -23,6 +25,7 @@ from .plane_covariance import plane_covariance as plane_covariance
 from .residuals import build_cells as build_cells
 from .uncertainty import Cells as Cells
 from .uncertainty import SamplerConfig as SamplerConfig
+from .uncertainty import SensorName as SensorName
 from .uncertainty import TypeB as TypeB
 from .uncertainty import TypeBConfig as TypeBConfig
 from .uncertainty import type_b_of as type_b_of

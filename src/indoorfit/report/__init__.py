@@ -9,9 +9,17 @@ from .dxf import to_dxf as to_dxf
 from .explain_picture import explain_picture as explain_picture
 from .explain_text import explain_document as explain_document
 from .explain_text import explain_table as explain_table
+from .figures import FIGURE_FORMATS as FIGURE_FORMATS
+from .figures import FigureFormat as FigureFormat
+from .figures import GreedyTrace as GreedyTrace
+from .figures import figure_bytes as figure_bytes
+from .figures import normal_scatter as normal_scatter
+from .figures import residual_histogram as residual_histogram
+from .figures import step_figures as step_figures
 from .layout import UNIT_MM as UNIT_MM
 from .markup import html_page as html_page
 from .markup import html_table as html_table
+from .notebook import notebook_html as notebook_html
 from .page import report_html as report_html
 from .pdf import to_pdf as to_pdf
 from .plan import plan_picture as plan_picture
@@ -20,6 +28,8 @@ from .plan import write_picture_png as write_picture_png
 from .plan import write_plan_png as write_plan_png
 from .render import View as View
 from .render import render_png as render_png
+from .residuals import Residuals as Residuals
+from .residuals import residuals_of as residuals_of
 from .sheet import Sheet as Sheet
 from .sheet import plan_layout as plan_layout
 from .sheet import plan_sheet as plan_sheet

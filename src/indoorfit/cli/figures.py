@@ -1,0 +1,86 @@
+"""``indoorfit figures``: plots of a scan and its model as files for papers."""
+
+import logging
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from indoorfit.errors import OutputError
+
+from .runtime import set_up_logging
+from .settings import Unit, Up, run_config
+
+
+@dataclass(frozen=True)
+class FiguresCommand:
+    """Draw plan, residual histogram, normal vectors and every step of the grammar, as SVG, PDF or PNG.
+
+    The steps are those of the thesis' procedure (largest cube, remaining segments, notch cubes, result);
+    figures.json has a caption for each figure. Needs `pip install 'indoorfit[figures]'`.
+    """
+
+    scan: tyro.conf.Positional[Path]
+    """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
+    out: Path
+    """Directory to write; it must not exist, or hold earlier figures and --overwrite be given."""
+    format: tuple[Literal["svg", "pdf", "png"], ...] = ("svg",)
+    """File formats, e.g. `--format svg pdf`."""
+    batch: Path | None = None
+    """Directory of `indoorfit evaluate`: adds the reliability of its intervals."""
+    method: Literal["joint", "greedy"] | None = None
+    """Of the model in plan and histogram; default joint."""
+    level: float | None = None
+    """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
+    config: Path | None = None
+    """TOML file with settings; options given here win over it."""
+    overrides: Path | None = None
+    """TOML file with a table [overrides]."""
+    unit: Unit = "m"
+    """Unit of the file's coordinates."""
+    up: Up | None = None
+    """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    seed: int | None = None
+    """Seed of everything random; default 0."""
+    overwrite: bool = False
+    """Replace earlier figures in the same directory."""
+    json: bool = False
+    """Print the list of figures as JSON, with captions."""
+    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    """Only warnings and errors on standard error."""
+
+    def run(self) -> int:
+        """Carry the command out; returns the exit code."""
+        set_up_logging(self.quiet, verbose=False)
+        from dataclasses import replace
+
+        from indoorfit.io import read_scan
+        from indoorfit.pipeline import check_figures, fit_scan, write_figures
+
+        check_figures(self.format)
+        if self.out.exists() and not self.overwrite:
+            raise OutputError(
+                f"{self.out}: exists already. Fix: choose another directory, or give --overwrite."
+            )
+        given = {"method": self.method, "level": self.level, "seed": self.seed}
+        config = run_config(self.config, self.up, None, self.overrides, **given)
+        config = replace(config, texture=replace(config.texture, enabled=False))
+        pictures = {}
+        if self.batch is not None:
+            from indoorfit.batch import reliability_of
+
+            pictures["reliability"] = reliability_of(self.batch)
+        scan = read_scan(self.scan, unit=self.unit)
+        result = fit_scan(scan, config)
+        names = write_figures(
+            result, scan, config, self.out,
+            formats=self.format, overwrite=self.overwrite, pictures=pictures,
+        )  # fmt: skip
+        if self.json:
+            sys.stdout.write((self.out / "figures.json").read_text(encoding="utf-8"))
+        else:
+            sys.stdout.write("".join(f"{self.out / name}.{kind}\n" for name in names for kind in self.format))
+        logging.getLogger("indoorfit").info("captions are in %s", self.out / "figures.json")
+        return 0 if result.converged else 3
