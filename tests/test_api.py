@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,6 +41,76 @@ def test_an_array_is_a_scan(virtual_box):
     ]
 
 
+def test_a_cloud_of_another_library_is_a_scan(virtual_box):
+    """trimesh keeps its points as `vertices`, colours with alpha; Open3D's are 0.0 to 1.0."""
+    import trimesh
+
+    from indoorfit.io import as_scan
+
+    points_m, grey = virtual_box.scan.points_m, np.full((virtual_box.scan.n_points, 4), 51, np.uint8)
+    scan = as_scan(trimesh.PointCloud(points_m, colors=grey))
+    np.testing.assert_array_equal(scan.points_m, points_m)
+    np.testing.assert_array_equal(scan.colours, grey[:, :3])
+    assert as_scan(trimesh.PointCloud(points_m)).colours is None
+    assert as_scan(virtual_box.scan) is virtual_box.scan
+    expected = indoorfit.fit(points_m).dimensions[0].quantity
+    assert indoorfit.fit(trimesh.PointCloud(points_m)).dimensions[0].quantity == expected
+
+
+class LikeOpen3D:
+    """The attributes of open3d.geometry.PointCloud that are asked for."""
+
+    def __init__(self, points, colors=()):
+        self.points, self.colors = list(map(tuple, points)), np.asarray(colors).reshape(-1, 3)
+
+
+@pytest.mark.parametrize("colours", [False, True], ids=["bare", "coloured"])
+def test_a_cloud_with_points_and_colors_is_a_scan(virtual_box, colours):
+    from indoorfit.io import as_scan
+
+    points_m = virtual_box.scan.points_m[:500]
+    scan = as_scan(LikeOpen3D(points_m, np.full((500, 3), 0.2) if colours else ()))
+    np.testing.assert_array_equal(scan.points_m, points_m)
+    assert (scan.colours is None) != colours
+    if scan.colours is not None:
+        assert np.all(scan.colours == 51)
+
+
+def test_clouds_of_open3d_are_scans(virtual_box):
+    open3d = pytest.importorskip("open3d", reason="Open3D is not installed")
+    from indoorfit.io import as_scan
+
+    points_m, half = virtual_box.scan.points_m, np.full((virtual_box.scan.n_points, 3), 0.2)
+    old = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points_m))
+    new = open3d.t.geometry.PointCloud(open3d.core.Tensor(points_m))
+    for cloud in (old, new):
+        scan = as_scan(cloud)
+        np.testing.assert_array_equal(scan.points_m, points_m)
+        assert scan.colours is None
+    old.colors = open3d.utility.Vector3dVector(half)
+    new.point.colors = open3d.core.Tensor(half)
+    for cloud in (old, new):
+        colours = as_scan(cloud).colours
+        assert colours is not None
+        assert np.all(colours == 51)
+
+
+def test_a_file_name_is_no_cloud():
+    with pytest.raises(indoorfit.InputError, match="Fix: pass an array"):
+        indoorfit.fit("room.ply")
+
+
+def test_a_model_cannot_be_changed(virtual_box):
+    import dataclasses
+
+    model = indoorfit.fit(virtual_box.scan)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        model.result = None  # pyright: ignore
+    for array in (model.faces[0].rings_m[0], model.dimensions[0].from_m, model.result.meshes[0].vertices_m):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
+
+
 def test_input_is_not_changed(virtual_box):
     before = virtual_box.scan.points_m.copy()
     indoorfit.fit(virtual_box.scan)
@@ -50,7 +121,9 @@ def test_input_is_not_changed(virtual_box):
 def test_the_model_shows_itself(virtual_box):
     model = indoorfit.fit(virtual_box.scan)
     assert "overall" in repr(model)
-    assert "<svg" in model._repr_html_()
+    html = model._repr_html_()
+    assert "<svg" in html
+    assert html.count("<tr>") == 1 + len(model.dimensions)
     assert len(model.rooms) == 1
     assert len(model.faces) == 6
     assert model.warnings == ()
@@ -90,6 +163,8 @@ def test_all_public_names_exist_and_others_do_not():
         assert getattr(indoorfit, name) is not None
     with pytest.raises(AttributeError, match="no_such_name"):
         _ = indoorfit.no_such_name
+    assert dir(indoorfit) == sorted(indoorfit.__all__)
+    assert (Path(indoorfit.__file__).parent / "py.typed").is_file()
 
 
 def in_fresh_process(code: str) -> str:

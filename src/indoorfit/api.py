@@ -4,16 +4,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
+from numpy.typing import ArrayLike
 
-from indoorfit.config import RunConfig
+from indoorfit.config import RunConfig, config_from_dict
 from indoorfit.errors import ConfigError
 from indoorfit.files import FormatName
-from indoorfit.io import read_scan, read_tape, scan_from_arrays
+from indoorfit.io import PointCloud, Unit, as_scan, read_scan, read_tape
 from indoorfit.measure import at_level
-from indoorfit.model import Dimension, Face, FitResult, Interval, Note, Pictures, Room, Scan, TapeTable
-from indoorfit.pipeline import fit_scan, held_again, with_tape, write_outputs
-from indoorfit.report import dimension_table, plan_svg
+from indoorfit.model import (
+    Dimension,
+    Face,
+    FitResult,
+    Interval,
+    Note,
+    Pictures,
+    Room,
+    Scan,
+    TapeTable,
+    frozen,
+)
+from indoorfit.pipeline import fit_scan, held_again, with_tape, write_figures, write_outputs
+from indoorfit.report import FigureFormat, dimension_table, notebook_html
 
 
 @dataclass(frozen=True)
@@ -103,29 +114,62 @@ class RoomModel:
         """
         write_outputs(self.result, directory, self.scan, overwrite=overwrite, formats=formats)
 
+    def write_figures(
+        self, directory: str | Path, *, formats: Sequence[FigureFormat] = ("svg",), overwrite: bool = False
+    ) -> tuple[str, ...]:
+        """Write plan, residual histogram, normal vectors and the steps of the grammar as files for papers.
+
+        Args:
+            directory: created; ``figures.json`` in it has a caption for each figure.
+            formats: ``svg``, ``pdf``, ``png``.
+            overwrite: replace earlier figures in the same place.
+
+        Returns:
+            the names of the figures.
+
+        Raises:
+            ConfigError: an unknown format.
+            OutputError: Matplotlib is not installed (``pip install 'indoorfit[figures]'``), or the directory
+                exists without `overwrite`, or cannot be written.
+        """
+        config = config_from_dict(dict(self.result.provenance["config"]))
+        return write_figures(self.result, self.scan, config, directory, formats=formats, overwrite=overwrite)
+
     def __repr__(self) -> str:
         return dimension_table(self.result)
 
     def _repr_html_(self) -> str:
-        return plan_svg(self.result, self.scan.points_m)
+        """The plan, the lengths and the warnings, for notebooks."""
+        return notebook_html(self.result, self.scan.points_m)
 
 
 def fit(
-    scan: Scan | np.ndarray, config: RunConfig | None = None, pictures: Pictures | None = None
+    scan: Scan | ArrayLike | PointCloud, config: RunConfig | None = None, pictures: Pictures | None = None
 ) -> RoomModel:
     """Turn a scan into a watertight model whose dimensions carry intervals.
 
     Args:
-        scan: from `indoorfit.read`, or an array (n, 3) of metres.
+        scan: from `indoorfit.read`; an array (n, 3) of metres; or a point cloud of another library in metres,
+            with points and colours as Open3D and trimesh have them.
         config: settings; see `RunConfig`.
         pictures: camera images and photos to put on the faces; see `indoorfit.io.read_posed_images`.
 
     Raises:
         InputError: the cloud cannot be a room; the message says why and what to do.
     """
-    if not isinstance(scan, Scan):
-        scan = scan_from_arrays(scan)
-    return RoomModel(fit_scan(scan, config, pictures or Pictures()), scan)
+    scan = as_scan(scan)
+    return RoomModel(frozen(fit_scan(scan, config, pictures or Pictures())), scan)
 
 
-read = read_scan
+def read(path: str | Path, *, unit: Unit = "m") -> Scan:
+    """Read a point cloud: PLY, PCD, plain text (xyz, txt, csv, pts, asc), NPY or NPZ.
+
+    Args:
+        path: the file; the extension tells the format, the first bytes do where it is unknown.
+        unit: unit of the file's coordinates, which are converted to metres.
+
+    Raises:
+        InputError: the file cannot be read as a cloud; the message says why.
+        ConfigError: unknown unit.
+    """
+    return read_scan(path, unit=unit)

@@ -1,6 +1,8 @@
 """Files to typed values and back: scans, sensor poses and ``model.json``."""
 
 from .checked_scan import MIN_POINTS as MIN_POINTS
+from .clouds import PointCloud as PointCloud
+from .clouds import as_scan as as_scan
 from .frames import frames_path as frames_path
 from .frames import read_frames_json as read_frames_json
 from .frames import write_frames_json as write_frames_json

@@ -3,6 +3,7 @@
 from .cloud import Scan as Scan
 from .cloud import SensorFrame as SensorFrame
 from .cloud import VoxelCloud as VoxelCloud
+from .freezing import frozen as frozen
 from .grammar import OPEN_MARGIN_M as OPEN_MARGIN_M
 from .grammar import SIDES as SIDES
 from .grammar import Cube as Cube
