@@ -1,7 +1,8 @@
 """``indoorfit calibrate``: from a batch with references to settings with calibrated intervals."""
 
+import json
 import sys
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import tyro
@@ -29,6 +30,8 @@ class CalibrateCommand:
     """Decides which length of each room stands for it in the conformal factor."""
     overwrite: bool = False
     """Replace an existing file."""
+    json: bool = False
+    """Print JSON."""
 
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
@@ -42,6 +45,9 @@ class CalibrateCommand:
         if self.out is not None:
             with atomic_file(self.out, overwrite=self.overwrite) as file:
                 file.write(preset.encode("utf-8"))
+        if self.json:
+            sys.stdout.write(json.dumps({**asdict(found), "says": found.says}, indent=1) + "\n")
+            return 0
         too_few = f"not available: {found.n_rooms} rooms, {found.conformal_rooms} needed"
         conformal = too_few if found.conformal is None else f"{found.conformal:.3f}"
         sys.stdout.write(

@@ -46,18 +46,23 @@ class CompareCommand:
     def run(self) -> int:
         """Carry the command out; returns 0, or 3 where one of the two is missing or not sound."""
         set_up_logging(self.quiet, verbose=False)
-        from indoorfit.io import read_scan
-        from indoorfit.pipeline import fit_both
-
         config = run_config(self.config, self.up, self.sensor, level=self.level, seed=self.seed)
         if self.out is None:
-            return self._told(fit_both(read_scan(self.scan, unit=self.unit), config))
+            return self._told(self._fitted(config)[0])
         with staged([self.out], overwrite=self.overwrite, marks=("compare.json",)) as (place,):
-            scan = read_scan(self.scan, unit=self.unit)
-            both = fit_both(scan, config)
+            both, scan = self._fitted(config)
             place.mkdir()
             self._write(place, both, scan)
         return self._told(both)
+
+    def _fitted(self, config):
+        from indoorfit.io import read_scan
+        from indoorfit.pipeline import fit_both, sensor_from_data
+
+        scan = read_scan(self.scan, unit=self.unit)
+        if self.sensor is None:
+            scan, config = sensor_from_data(scan, config)
+        return fit_both(scan, config), scan
 
     def _write(self, place: Path, both, scan) -> None:
         from indoorfit.report import to_svg, versus_document, versus_picture, versus_table, write_picture_png

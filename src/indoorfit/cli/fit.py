@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from indoorfit.files import FormatName, check_output_directory
+from indoorfit.stages import announced
 
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
@@ -39,7 +40,8 @@ class FitCommand:
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
     sensor: Sensor | None = None
     """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
-    Default unknown: nothing is added, and the output says so."""
+    Default: chosen by the data where frame ids and sensor poses decide it, which is said; else unknown:
+    nothing is added, and the output says so."""
     sample: bool = False
     """Sample the noise model by Markov chains (emcee) instead of the analytic approximation; refuses to
     report from chains that have not converged."""
@@ -77,7 +79,12 @@ class FitCommand:
         # Before the scan: a wrong table is told at once, not after the fit.
         tape = None if self.tape is None else read_tape(self.tape)
         pictures = self.textures.pictures()
-        scan = read_scan(self.scan, unit=self.unit)
+        with announced("read"):
+            scan = read_scan(self.scan, unit=self.unit)
+        if self.sensor is None:
+            from indoorfit.pipeline import sensor_from_data
+
+            scan, config = sensor_from_data(scan, config)
         registered = self.write_registered
         if registered is not None:
             check_registrable(scan, config, registered, overwrite=self.overwrite)
@@ -144,11 +151,10 @@ def run_pipeline(
         result = with_tape(result, tape)
         for row in result.tape.refused if result.tape else ():
             log.warning("%s, line %d: %s", tape.name, row.line, row.reason)
-    for stage, seconds in result.provenance["timings_s"].items():
-        log.debug("%s took %.2f s", stage, seconds)
     if registered is not None:
         _write_registered(scan, result, registered, overwrite=overwrite)
-    write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
+    with announced("write"):
+        write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
         sys.stdout.write("\n")

@@ -8,6 +8,9 @@ from typing import Annotated
 from indoorfit.environment import prepare_numerics
 
 prepare_numerics()
+if os.environ.get("NO_COLOR"):
+    # https://no-color.org; tyro asks only whether there is a terminal.
+    os.environ.setdefault("PYTHON_TYRO_ANSI_CODES", "False")
 
 import tyro  # noqa: E402  (NumPy must not be loaded before the lines above)
 
@@ -15,12 +18,16 @@ from indoorfit.errors import IndoorfitError  # noqa: E402
 
 from .calibrate import CalibrateCommand  # noqa: E402
 from .compare import CompareCommand  # noqa: E402
+from .completion import CompletionCommand  # noqa: E402
 from .convert import ConvertCommand  # noqa: E402
 from .demo import DemoCommand  # noqa: E402
+from .doctor import DoctorCommand  # noqa: E402
 from .evaluate import EvaluateCommand  # noqa: E402
 from .explain import ExplainCommand  # noqa: E402
+from .figures import FiguresCommand  # noqa: E402
 from .fit import FitCommand  # noqa: E402
 from .info import InfoCommand  # noqa: E402
+from .runtime import coloured, end_logging  # noqa: E402
 from .simulate import SimulateCommand  # noqa: E402
 from .tape_template import TapeTemplateCommand  # noqa: E402
 
@@ -29,37 +36,63 @@ Command = (
     | Annotated[ConvertCommand, tyro.conf.subcommand("convert")]
     | Annotated[CompareCommand, tyro.conf.subcommand("compare")]
     | Annotated[ExplainCommand, tyro.conf.subcommand("explain")]
+    | Annotated[FiguresCommand, tyro.conf.subcommand("figures")]
     | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
     | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
     | Annotated[InfoCommand, tyro.conf.subcommand("info")]
     | Annotated[TapeTemplateCommand, tyro.conf.subcommand("tape-template")]
     | Annotated[EvaluateCommand, tyro.conf.subcommand("evaluate")]
     | Annotated[CalibrateCommand, tyro.conf.subcommand("calibrate")]
+    | Annotated[DoctorCommand, tyro.conf.subcommand("doctor")]
+    | Annotated[CompletionCommand, tyro.conf.subcommand("completion")]
 )
 
 
-def main() -> None:
-    """Parse, run, and map errors to exit codes: 0 done, 1 user error, 2 usage, 3 model not sound."""
-    command = tyro.cli(
+BROKEN_PIPE = 128 + 13
+"""What a shell reports of a program that SIGPIPE ended."""
+
+
+def parse(arguments: list[str] | None = None) -> Command:
+    """The command that the arguments (default: the process' own) stand for.
+
+    Raises:
+        SystemExit: help or a completion script was asked for, or the arguments make no command.
+    """
+    return tyro.cli(
         Command,
         prog="indoorfit",
         description="From a raw indoor point cloud to a watertight, measured room.",
         config=(tyro.conf.FlagCreatePairsOff,),
+        args=arguments,
     )
+
+
+def main() -> None:
+    """Parse, run, and map errors to exit codes: 0 done, 1 user error, 2 usage, 3 model not sound."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal without the sign for plus-minus is no reason to fail after the work is done.
             stream.reconfigure(errors="replace")
     try:
-        code = command.run()
-    except IndoorfitError as error:
-        sys.stderr.write(f"indoorfit: {error}\n")
-        code = 1
+        sys.exit(_run())
     except BrokenPipeError:
-        # Whoever read the table has seen enough; the files are written before it is printed.
+        # Whoever read the output has seen enough; the files are written before it is printed.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        code = 0
+        sys.exit(BROKEN_PIPE)
+
+
+def _run() -> int:
+    try:
+        return parse().run()
+    except IndoorfitError as error:
+        end_logging()
+        sys.stderr.write(f"{coloured('indoorfit:', sys.stderr)} {error}\n")
+        return 1
     except KeyboardInterrupt:
+        end_logging()
         sys.stderr.write("indoorfit: interrupted; nothing is half written.\n")
-        code = 130
-    sys.exit(code)
+        return 130
+    finally:
+        end_logging()
+        # Now and not at the interpreter's end, where a closed pipe could only be complained of.
+        sys.stdout.flush()

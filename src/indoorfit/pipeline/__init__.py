@@ -2,6 +2,8 @@
 
 from .explaining import Explained as Explained
 from .explaining import explain_scan as explain_scan
+from .figures import check_figures as check_figures
+from .figures import write_figures as write_figures
 from .fit import fit_scan as fit_scan
 from .formats import FORMATS as FORMATS
 from .formats import Format as Format
@@ -10,8 +12,12 @@ from .formats import format_of as format_of
 from .meshes import with_meshes as with_meshes
 from .outputs import write_outputs as write_outputs
 from .provenance import package_version as package_version
+from .sensor import SensorChoice as SensorChoice
+from .sensor import choose_sensor as choose_sensor
+from .sensor import sensor_from_data as sensor_from_data
 from .tape import held_again as held_again
 from .tape import with_tape as with_tape
+from .tracing import trace_greedy as trace_greedy
 from .truth import truth_result as truth_result
 from .versus import Versus as Versus
 from .versus import fit_both as fit_both

@@ -8,6 +8,7 @@ from typing import Any
 
 from indoorfit.config import RunConfig, config_to_dict
 from indoorfit.model import Scan
+from indoorfit.stages import announced
 
 
 class Stopwatch:
@@ -20,7 +21,8 @@ class Stopwatch:
     def stage(self, name: str) -> Iterator[None]:
         """Time what happens inside the block."""
         start = time.perf_counter()
-        yield
+        with announced(name):
+            yield
         self.timings_s[name] = self.timings_s.get(name, 0.0) + time.perf_counter() - start
 
 

@@ -22,6 +22,7 @@ from .predictive import DerivedQuantities as DerivedQuantities
 from .predictive import Distribution as Distribution
 from .predictive import Predictive as Predictive
 from .type_b import ExpandedUncertainty as ExpandedUncertainty
+from .type_b import SensorName as SensorName
 from .type_b import TypeB as TypeB
 from .type_b import TypeBConfig as TypeBConfig
 from .type_b import expand_ends as expand_ends
