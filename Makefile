@@ -1,4 +1,4 @@
-.PHONY: check images configs
+.PHONY: check images configs api
 
 check:
 	./.ci/run
@@ -9,3 +9,7 @@ images:
 
 configs:
 	.venv/bin/python configs/make_default.py
+
+# The API reference in docs/api, from the docstrings.
+api:
+	.venv/bin/python docs/make_api.py

@@ -129,3 +129,27 @@ def test_shipped_settings_load(path):
     for key, value in leaves(settings):
         # TOML has no tuples.
         assert loaded[key] == (tuple(value) if isinstance(value, list) else value)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "needed"),
+    [
+        ("greedy.reach_share", 1.5, "0 to 1"),
+        ("segment.seed_planarity", 2.0, "0 to 1"),
+        ("discover.labels.wall_between", 1.0, "between 0 and 1"),
+        ("greedy.confidence", 1.0, "below 1"),
+        ("segment.angle_deg", 120.0, "90 degrees"),
+        ("belief.inflation", 0.0, "positive"),
+        ("joint.student_dof", 0.0, "positive"),
+        ("belief.wall_field.tau_median_m", float("inf"), "positive"),
+        ("type_b.scale_std", float("nan"), "not negative"),
+        ("texture.quality", 101, "1 to 100"),
+        ("belief.pose_field.turn_median_rad", 0.0, "positive"),
+    ],
+    ids=lambda case: str(case),
+)
+def test_numbers_that_make_no_sense_are_refused_by_name(path, value, needed):
+    with pytest.raises(ConfigError, match="Fix:") as caught:
+        config_from_dict(nested(path.split("."), value))
+    assert path in str(caught.value)
+    assert needed in str(caught.value)

@@ -14,7 +14,11 @@ from indoorfit.config import config_from_dict
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-EVERY_PAGE = [*PAGES, *sorted(path for path in ROOT.glob("*.md") if path.name != "README.md")]
+EVERY_PAGE = [
+    *PAGES,
+    *sorted((ROOT / "docs" / "api").glob("*.md")),
+    *sorted(path for path in ROOT.glob("*.md") if path.name != "README.md"),
+]
 SET_UP = "python3 -m venv .venv && .venv/bin/pip install "
 """Lines that begin so make an environment from the network: that is what `.ci/run` does."""
 
@@ -90,6 +94,26 @@ def test_readme_lists_the_files_that_fit_writes(scan, tmp_path):
     cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
     named = {name for cell in cells for name in re.findall(r"`([^`]+)`", cell)}
     assert named == {path.name for path in (tmp_path / "room").iterdir()}
+
+
+def test_api_reference_is_current(tmp_path):
+    # In a process of its own: the type checks of the tests change what a function shows of itself.
+    run([sys.executable, str(ROOT / "docs" / "make_api.py"), str(tmp_path)], ROOT)
+    written = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "docs" / "api").glob("*.md")}
+    fresh = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.glob("*.md")}
+    assert written == fresh, "run: python docs/make_api.py"
+
+
+def test_every_command_is_in_the_documentation():
+    from typing import get_args
+
+    from indoorfit.cli.main import Command
+
+    text = "".join(page.read_text(encoding="utf-8") for page in PAGES)
+    for kind in get_args(Command):
+        name = get_args(kind)[0].__name__.removesuffix("Command")
+        command = re.sub(r"(?<!^)(?=[A-Z])", "-", name).lower()
+        assert f"indoorfit {command}" in text, command
 
 
 @pytest.mark.parametrize("page", EVERY_PAGE, ids=ids)

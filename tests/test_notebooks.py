@@ -32,6 +32,8 @@ def code_of(notebook):
 def test_notebook_runs(notebook, tmp_path, monkeypatch):
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     monkeypatch.setenv("PATH", path)
+    # The notebook stands for a terminal; the messages looked for below are plain.
+    monkeypatch.setenv("NO_COLOR", "1")
     # Beside what it reads, as in the repository, but where it may write.
     place, data = tmp_path / "notebooks", tmp_path / "benchmarks"
     place.mkdir()

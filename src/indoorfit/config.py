@@ -1,6 +1,7 @@
 """All settings of a run in one place, and TOML files that change them."""
 
 import dataclasses
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -66,8 +67,23 @@ class RunConfig:
         _check_numbers(self, "")
 
 
+_SHARES = (
+    *(
+        "orient.min_support",
+        "segment.seed_planarity",
+        "greedy.along",
+        "greedy.across",
+        "discover.rooms.walled",
+    ),
+    *("classify.along", "classify.across", "classify.floor_below", "classify.ceiling_above"),
+    *("belief.pose_field.max_displaced", "honesty.min_coverage", "honesty.max_screened"),
+    *("honesty.misfit_chance", "honesty.layer_valley", "honesty.layer_mixed"),
+)
+"""Shares and cosines that are not called so; everything that ends with ``_share`` is one."""
+
+
 def _check_numbers(settings: Any, where: str) -> None:
-    """Sizes and counts are positive, everything else is not negative; the name tells which is which."""
+    """Every number lies where its name says: sizes, counts, shares, probabilities."""
     for entry in dataclasses.fields(settings):
         value, name = getattr(settings, entry.name), f"{where}{entry.name}"
         if isinstance(value, OverrideConfig):
@@ -76,11 +92,27 @@ def _check_numbers(settings: Any, where: str) -> None:
         if dataclasses.is_dataclass(value):
             _check_numbers(value, f"{name}.")
         elif isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
-            size = entry.name.endswith(("_m", "_m2", "_deg")) and not entry.name.endswith("_std_m")
-            positive = isinstance(value, int) or size
-            if not (value > 0 if positive else value >= 0):
-                needed = "a positive number" if positive else "a number that is not negative"
-                raise ConfigError(f"{name}: got {value}; needed {needed}. Fix: leave it out for the default.")
+            _check_number(name, value)
+
+
+def _check_number(name: str, value: int | float) -> None:
+    size = name.endswith(("_m", "_m2", "_deg")) and not name.endswith("_std_m")
+    scale = name.endswith(("_rad", "_frames", "_dof", "_log_std", "_logit_std", ".inflation"))
+    if name == "greedy.confidence":
+        # The number of draws goes with the logarithm of what is left to one.
+        fits, needed = 0.0 < value < 1.0, "a probability above 0 and below 1"
+    elif name in _SHARES or name.endswith("_share"):
+        fits, needed = 0.0 <= value <= 1.0, "a share from 0 to 1"
+    elif name.endswith("_deg"):
+        fits, needed = 0.0 < value <= 90.0, "an angle above 0 and up to 90 degrees"
+    elif name == "texture.quality":
+        fits, needed = 1 <= value <= 100, "a quality from 1 to 100"
+    elif isinstance(value, int) or size or scale:
+        fits, needed = 0 < value < math.inf, "a positive number"
+    else:
+        fits, needed = 0.0 <= value < math.inf, "a number that is not negative"
+    if not fits:
+        raise ConfigError(f"{name}: got {value}; needed {needed}. Fix: leave it out for the default.")
 
 
 def load_config(path: str | Path) -> RunConfig:
