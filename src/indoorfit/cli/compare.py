@@ -10,6 +10,7 @@ from typing import Annotated
 import tyro
 
 from indoorfit.files import staged
+from indoorfit.stages import announced
 
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
@@ -59,7 +60,8 @@ class CompareCommand:
         from indoorfit.io import read_scan
         from indoorfit.pipeline import fit_both, sensor_from_data
 
-        scan = read_scan(self.scan, unit=self.unit)
+        with announced("read"):
+            scan = read_scan(self.scan, unit=self.unit)
         if self.sensor is None:
             scan, config = sensor_from_data(scan, config)
         return fit_both(scan, config), scan

@@ -9,6 +9,7 @@ from typing import Annotated
 import tyro
 
 from indoorfit.files import staged
+from indoorfit.stages import announced
 
 from .runtime import set_up_logging
 from .settings import Unit, Up, run_config
@@ -58,7 +59,9 @@ class ExplainCommand:
         from indoorfit.pipeline import explain_scan
 
         config = run_config(self.config, self.up, None, self.overrides, seed=self.seed)
-        return explain_scan(read_scan(self.scan, unit=self.unit), config)
+        with announced("read"):
+            scan = read_scan(self.scan, unit=self.unit)
+        return explain_scan(scan, config)
 
     def _tell(self, found) -> None:
         from indoorfit.report import explain_document, explain_table

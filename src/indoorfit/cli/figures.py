@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from indoorfit.errors import OutputError
+from indoorfit.stages import announced
 
 from .runtime import set_up_logging
 from .settings import Unit, Up, run_config
@@ -72,7 +73,8 @@ class FiguresCommand:
             from indoorfit.batch import reliability_of
 
             pictures["reliability"] = reliability_of(self.batch)
-        scan = read_scan(self.scan, unit=self.unit)
+        with announced("read"):
+            scan = read_scan(self.scan, unit=self.unit)
         result = fit_scan(scan, config)
         names = write_figures(
             result, scan, config, self.out,

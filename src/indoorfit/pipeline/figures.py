@@ -25,6 +25,7 @@ from indoorfit.report import (
     to_svg,
     write_picture_png,
 )
+from indoorfit.stages import announced
 
 from .tracing import trace_greedy
 
@@ -105,9 +106,10 @@ def write_figures(
             for kind in formats:
                 _write_picture(place / f"{name}.{kind}", picture, kind)
         plotted = _plots(result, scan, config)
-        for name, figure in plotted.items():
-            for kind in formats:
-                (place / f"{name}.{kind}").write_bytes(figure_bytes(figure, kind))
+        with announced("write"):
+            for name, figure in plotted.items():
+                for kind in formats:
+                    (place / f"{name}.{kind}").write_bytes(figure_bytes(figure, kind))
         names = [name for name in CAPTIONS if name in drawn or name in plotted]
         index = {name: {"caption": CAPTIONS[name], "files": [f"{name}.{kind}" for kind in formats]}
                  for name in names}  # fmt: skip
