@@ -87,8 +87,8 @@ def choose_sensor(scan: Scan) -> SensorChoice:
     if scan.frame_ids is None or not scan.frames:
         return SensorChoice(
             "unknown",
-            "sensor: the file does not say from where its points were seen, which could tell it; nothing is "
-            "added for the scan's scale (name it with --sensor)",
+            "sensor: not told by the data, which have no frame ids with sensor poses; nothing is added for "
+            "the scan's scale (--sensor NAME adds it)",
         )
     evidence = _evidence(scan)
     if evidence is None:
@@ -105,7 +105,7 @@ def choose_sensor(scan: Scan) -> SensorChoice:
     chosen = CANDIDATES[left[0]] if len(left) == 1 else None
     if chosen is None:
         found = f"fit {' and '.join(left)}" if left else "fit no sensor that is known"
-        return SensorChoice("unknown", f"sensor: {seen} {found}; nothing is added (name it with --sensor)")
+        return SensorChoice("unknown", f"sensor: {seen} {found}; nothing is added (--sensor NAME adds it)")
     return SensorChoice(
         chosen,
         f"The sensor was taken for {chosen} by the data: {seen} agree with no other that is known. Its "
