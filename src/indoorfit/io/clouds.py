@@ -64,14 +64,14 @@ def as_scan(cloud: Scan | ArrayLike | PointCloud) -> Scan:
     found = _parts(cloud)
     if found is None:
         return scan_from_arrays(cloud)  # pyright: ignore[reportArgumentType]
-    points, colours = found
+    points, colours = (None if part is None else np.asarray(part) for part in found)
+    assert points is not None, "a cloud has points"
     # Libraries say "no colours" with none, or with an empty array.
-    has_colours = colours is not None and np.asarray(colours).size > 0
-    scan = scan_from_arrays(points, colours if has_colours else None)
+    scan = scan_from_arrays(points, colours if colours is not None and colours.size else None)
     return replace(scan, name=type(cloud).__name__)
 
 
-def _parts(cloud: Any) -> tuple[ArrayLike, ArrayLike | None] | None:
+def _parts(cloud: Any) -> tuple[Any, Any] | None:
     """Points and colours; None for what is no cloud of a library."""
     if isinstance(cloud, np.ndarray | list | tuple):
         return None
@@ -82,7 +82,7 @@ def _parts(cloud: Any) -> tuple[ArrayLike, ArrayLike | None] | None:
     for name in ("points", "vertices"):
         points = getattr(cloud, name, None)
         if points is not None and not callable(points):
-            return np.asarray(points), getattr(cloud, "colors", None)
+            return points, getattr(cloud, "colors", None)
     if not hasattr(cloud, "__array__"):
         raise InputError(
             f"fit: got {type(cloud).__name__}; a scan, an array (n, 3) or a cloud with `points` is needed. "
