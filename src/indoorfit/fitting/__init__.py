@@ -2,6 +2,7 @@
 
 from .association import AssociationConfig as AssociationConfig
 from .association import associate as associate
+from .association import claims as claims
 from .belief import Belief as Belief
 from .belief import BeliefConfig as BeliefConfig
 from .belief import believe as believe

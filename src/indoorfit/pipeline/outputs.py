@@ -7,7 +7,7 @@ from indoorfit.export import write_dimensions_csv, write_glb, write_images, writ
 from indoorfit.files import FormatName, atomic_directory
 from indoorfit.io import write_model_json
 from indoorfit.model import FitResult, Scan
-from indoorfit.report import plan_picture, render_png, report_html, to_svg, write_picture_png
+from indoorfit.report import plan_picture, render_png, report_html, residuals_of, to_svg, write_picture_png
 
 from .formats import FORMATS
 
@@ -46,7 +46,8 @@ def write_outputs(
         (out / "plan.svg").write_text(drawing, encoding="utf-8")
         write_picture_png(out / "plan.png", picture)
         render_png(out / "view.png", result)
-        (out / "report.html").write_text(report_html(result, drawing), encoding="utf-8")
+        residuals = None if points_m is None else residuals_of(result, points_m)
+        (out / "report.html").write_text(report_html(result, drawing, residuals), encoding="utf-8")
         for name in formats:
             target = out / FORMATS[name].file_name
             if not target.exists():

@@ -10,6 +10,8 @@ from .plan import write_picture_png as write_picture_png
 from .plan import write_plan_png as write_plan_png
 from .render import View as View
 from .render import render_png as render_png
+from .residuals import Residuals as Residuals
+from .residuals import residuals_of as residuals_of
 from .sheet import Sheet as Sheet
 from .sheet import plan_layout as plan_layout
 from .sheet import plan_sheet as plan_sheet

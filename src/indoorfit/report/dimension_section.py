@@ -1,0 +1,101 @@
+"""The dimensions as a table of the page."""
+
+import math
+from collections.abc import Mapping
+
+from indoorfit.export import quantity_text
+from indoorfit.model import Dimension, FitResult, Quantity
+
+from .facts import level_text
+from .html_table import Cell, Row, html_table
+from .table import what_is_measured
+
+_NOTE = (
+    '<p class="quiet">Clear lengths between mean wall planes. The columns u are standard uncertainties: '
+    "what the residuals of the scan show, a possible error of its scale, and where the wall is (plaster, "
+    "skirting). Their squares add up; k times the root is half the interval (JCGM 100). Accuracy is the "
+    "USIBD Level of Accuracy that the half width at 95 % belongs to: LOA20 15 to 50 mm, LOA30 5 to 15, "
+    "LOA40 1 to 5 mm, LOA50 below 1 mm; LOA10 is worse than 50 mm. An inferred dimension ends at a face "
+    "without points.</p>"
+)
+_TAPE_NOTE = (
+    '<p class="quiet">Deviation is the model minus the tape. Where the tape lies outside the interval, the '
+    "cell says so; a tape has an error of its own.</p>"
+)
+
+
+def dimension_section(result: FitResult, tape_m: Mapping[str, float]) -> str:
+    """Heading, table and explanation; columns for the tape only where something was measured by it.
+
+    Args:
+        result: whose dimensions.
+        tape_m: by dimension id, the length that was measured by hand.
+    """
+    several, with_tape = len(result.rooms) > 1, any(d.id in tape_m for d in result.dimensions)
+    rows = [
+        Row(
+            (
+                Cell(d.id, "id"),
+                Cell(what_is_measured(d, several)),
+                *number_cells(d.quantity, 3, 4),
+                Cell(d.loa or ""),
+                Cell(d.status, d.status),
+                *(_tape_cells(d, tape_m.get(d.id)) if with_tape else ()),
+                *_budget_cells(d.quantity),
+            ),
+            pick=d.id,
+        )
+        for d in result.dimensions
+    ]
+    tape = ("Tape, m", "Deviation, mm") if with_tape else ()
+    budget = ("u scan, mm", "u scale, mm", "u definition, mm", "k", "Degrees of freedom")
+    head = (
+        "Id", "What", Cell("Value, m", "number"), interval_head(result.level, "m"), "Accuracy", "Status",
+        *(Cell(title, "number") for title in (*tape, *budget)),
+    )  # fmt: skip
+    table = html_table(head, rows, "Dimensions with their intervals", sortable=True)
+    note = _NOTE + (_TAPE_NOTE if with_tape else "")
+    return f'<section id="dimensions"><h2>Dimensions</h2>\n{table}\n{note}</section>'
+
+
+def interval_head(level: float, unit: str) -> Cell:
+    """Title of the column of intervals; copied as two, the ends."""
+    text = level_text(level)
+    return Cell(f"Interval, {text}", "number", copied=f"Low at {text}, {unit}\tHigh at {text}, {unit}")
+
+
+def number_cells(quantity: Quantity, min_decimals: int, max_decimals: int) -> tuple[Cell, Cell]:
+    """Value and interval; sorted by value and by width."""
+    text, interval = quantity_text(quantity, min_decimals, max_decimals), quantity.interval
+    ends = "\t".join(f"{end:.{max_decimals + 1}f}" for end in (interval.low, interval.high))
+    width = round(interval.high - interval.low, 9)
+    return (
+        Cell(text.value, "number", sort=round(quantity.value, 9)),
+        Cell(text.spread, "number", sort=width, copied=ends),
+    )
+
+
+def _tape_cells(dimension: Dimension, tape_m: float | None) -> tuple[Cell, Cell]:
+    if tape_m is None:
+        return Cell("", "number"), Cell("", "number")
+    off_mm = 1e3 * (dimension.quantity.value - tape_m)
+    interval = dimension.quantity.interval
+    outside = not interval.low <= tape_m <= interval.high
+    text = f"{off_mm:+.1f}" + (" outside" if outside else "")
+    look = "number inferred" if outside else "number"
+    tape = Cell(f"{tape_m:.3f}", "number", sort=tape_m)
+    return tape, Cell(text, look, sort=round(off_mm, 6), copied=f"{off_mm:.1f}")
+
+
+def _budget_cells(quantity: Quantity) -> tuple[Cell, ...]:
+    """Parts of the standard uncertainty in millimetres, coverage factor, degrees of freedom."""
+    factor, budget = quantity.coverage_factor, quantity.budget
+    k = Cell("" if factor is None else f"{factor:.2f}", "number")
+    nothing = Cell("", "number")
+    if budget is None:
+        return nothing, nothing, nothing, k, nothing
+    parts = (budget.data_std, budget.scale_std, budget.definition_std)
+    finite = math.isfinite(budget.effective_dof)
+    dof = f"{budget.effective_dof:.0f}" if finite else "∞"
+    last = Cell(dof, "number", sort=budget.effective_dof if finite else 1e300)
+    return (*(Cell(f"{1e3 * part:.2g}", "number") for part in parts), k, last)
