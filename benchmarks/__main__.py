@@ -18,7 +18,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from indoorfit.cli.runtime import prepare_numerics
+from indoorfit.environment import prepare_numerics
 
 # Before NumPy, and before the worker processes, which inherit the settings.
 prepare_numerics()

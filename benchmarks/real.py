@@ -13,7 +13,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from indoorfit.cli.runtime import prepare_numerics
+from indoorfit.environment import prepare_numerics
 
 # Before NumPy: this module is imported again in every worker.
 prepare_numerics()

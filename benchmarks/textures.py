@@ -24,7 +24,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from indoorfit.cli.runtime import prepare_numerics
+from indoorfit.environment import prepare_numerics
 
 prepare_numerics()
 

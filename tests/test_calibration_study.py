@@ -1,19 +1,32 @@
 """The calibration study: what it writes, that it goes on where it stopped, and that it can fail."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
 from benchmarks import calibration
 from benchmarks.calibration import main, run_room, summary, table
+from benchmarks.suites import SUITES
 
-from indoorfit.model import STANDARD_LEVELS
+from indoorfit.model import STANDARD_LEVELS, Scan
 
 ROOM = ("drift5mm", False, 20_001)
 
 
+def every_sixth_point(seed: int):
+    """A room of that regime; drift is what is judged here, and it is the same at every sixth point."""
+    made = SUITES["drift5mm"].make(seed)
+    points_m = np.ascontiguousarray(made.scan.points_m[::6])
+    return replace(made, scan=Scan(points_m, name=made.scan.name))
+
+
 @pytest.fixture(scope="module")
 def record():
-    return run_room(ROOM)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(calibration.REGIMES, "drift5mm", every_sixth_point)
+        return run_room(ROOM)
 
 
 def test_a_room_has_every_method_and_level(record):
@@ -58,3 +71,23 @@ def test_a_study_goes_on_where_it_stopped(record, tmp_path, monkeypatch):
     assert (tmp_path / "table.md").read_text(encoding="utf-8").startswith("| regime |")
     # The torn line is gone.
     assert len((tmp_path / "rooms.jsonl").read_text(encoding="utf-8").splitlines()) == 1
+
+
+def test_rooms_in_the_folder_can_be_tabulated_without_running_any(record, tmp_path, monkeypatch):
+    (tmp_path / "rooms.jsonl").write_text(json.dumps(record) + "\n")
+    monkeypatch.setattr(calibration, "run_room", None)
+    assert main(["--out", str(tmp_path), "--tables"]) == 0
+    rows = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))["rows"]
+    assert {(row["regime"], row["rooms"], row["judged"]) for row in rows} == {("drift5mm", 1, 1)}
+
+
+def test_the_printed_table_is_that_of_the_study():
+    root = Path(__file__).resolve().parents[1]
+    study = json.loads((root / "benchmarks" / "calibration.json").read_text(encoding="utf-8"))
+    printed = (root / "docs" / "intervals.md").read_text(encoding="utf-8")
+    ours = [row for row in study["rows"] if row["method"] == "joint"]
+    assert ours
+    for row in ours:
+        shares = " | ".join(f"{100 * row['coverage'][str(level)]['share']:.1f}" for level in STANDARD_LEVELS)
+        head = f"| {row['regime']} | {'yes' if row['ids'] else 'no'} | {row['judged']} of {row['rooms']}"
+        assert f"{head} | {row['lengths']} | {shares} |" in printed

@@ -9,10 +9,10 @@ import numpy as np
 from indoorfit.config import RunConfig
 from indoorfit.errors import ConfigError
 from indoorfit.files import FormatName
-from indoorfit.io import read_scan, scan_from_arrays
+from indoorfit.io import read_scan, read_tape, scan_from_arrays
 from indoorfit.measure import at_level
-from indoorfit.model import Dimension, Face, FitResult, Interval, Note, Pictures, Room, Scan
-from indoorfit.pipeline import fit_scan, write_outputs
+from indoorfit.model import Dimension, Face, FitResult, Interval, Note, Pictures, Room, Scan, TapeTable
+from indoorfit.pipeline import fit_scan, held_again, with_tape, write_outputs
 from indoorfit.report import dimension_table, plan_svg
 
 
@@ -53,7 +53,7 @@ class RoomModel:
         Raises:
             ConfigError: the level is not between 0 and 1.
         """
-        return replace(self, result=at_level(self.result, level))
+        return replace(self, result=held_again(at_level(self.result, level)))
 
     def interval(self, name: str, level: float) -> Interval:
         """The interval of one quantity at any level.
@@ -75,6 +75,18 @@ class RoomModel:
         if name not in known:
             raise ConfigError(f"interval: got {name!r}. Fix: choose one of {', '.join(known)}.")
         return known[name].interval
+
+    def check(self, tape: str | Path | TapeTable) -> "RoomModel":
+        """The same model compared with readings of a tape or laser meter: see `result.tape`.
+
+        Args:
+            tape: a CSV or TOML file, or what `indoorfit.io.read_tape` returns.
+
+        Raises:
+            InputError: the file cannot be read; rows that are wrong are in `result.tape.refused` instead.
+        """
+        table = tape if isinstance(tape, TapeTable) else read_tape(tape)
+        return replace(self, result=with_tape(self.result, table))
 
     def write(
         self, directory: str | Path, *, overwrite: bool = False, formats: Sequence[FormatName] = ()

@@ -2,9 +2,10 @@
 
 import dataclasses
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import cattrs
 from cattrs.gen import make_dict_structure_fn
@@ -20,10 +21,13 @@ from indoorfit.fitting import (
     SamplerConfig,
     TypeBConfig,
 )
+from indoorfit.model import OverrideConfig
 from indoorfit.orient import OrientConfig
 from indoorfit.segment import SegmentConfig
 from indoorfit.texture import TextureConfig
 from indoorfit.thin import SurfelConfig, ThinConfig
+
+SETTINGS_HINT = "see configs/default.toml for the settings."
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ class RunConfig:
     type_b: TypeBConfig = field(default_factory=TypeBConfig)
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
     honesty: HonestyConfig = field(default_factory=HonestyConfig)
+    overrides: OverrideConfig = field(default_factory=OverrideConfig)
 
     def __post_init__(self) -> None:
         if not 0.5 <= self.level <= 0.999:
@@ -65,6 +70,9 @@ def _check_numbers(settings: Any, where: str) -> None:
     """Sizes and counts are positive, everything else is not negative; the name tells which is which."""
     for entry in dataclasses.fields(settings):
         value, name = getattr(settings, entry.name), f"{where}{entry.name}"
+        if isinstance(value, OverrideConfig):
+            # Coordinates and angles have any sign; it checks itself.
+            continue
         if dataclasses.is_dataclass(value):
             _check_numbers(value, f"{name}.")
         elif isinstance(value, int | float) and not isinstance(value, bool) and name != "seed":
@@ -84,14 +92,37 @@ def load_config(path: str | Path) -> RunConfig:
     Raises:
         ConfigError: no such file, no TOML, an unknown key, or a value of the wrong type.
     """
+    return config_from_dict(_toml(path), Path(path).name)
+
+
+def load_overrides(path: str | Path) -> OverrideConfig:
+    """Read a TOML file that holds what a person says of one scan, and nothing else.
+
+    Args:
+        path: tables ``[overrides]``, ``[[overrides.force_wall]]`` and so on, as in a file of settings.
+
+    Raises:
+        ConfigError: no such file, no TOML, other tables, an unknown key, or a value of the wrong type.
+    """
+    name, settings = Path(path).name, _toml(path)
+    if set(settings) != {"overrides"}:
+        found = ", ".join(settings) or "nothing"
+        raise ConfigError(
+            f"{name}: found {found}; a file of overrides holds the table [overrides] and nothing else. "
+            "Fix: put other settings into a file for --config."
+        )
+    return config_from_dict(settings, name).overrides
+
+
+def _toml(path: str | Path) -> dict[str, Any]:
+    """The file's tables."""
     name = Path(path).name
     try:
-        settings = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror}). Fix: check the path.") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{name}: not TOML ({error}). Fix: see the files in configs/.") from error
-    return config_from_dict(settings, name)
 
 
 def config_from_dict(settings: dict[str, Any], name: str = "settings") -> RunConfig:
@@ -100,14 +131,26 @@ def config_from_dict(settings: dict[str, Any], name: str = "settings") -> RunCon
     Raises:
         ConfigError: naming every key that is wrong.
     """
+    return structured(settings, RunConfig, name)
+
+
+T = TypeVar("T")
+
+
+def structured(settings: Mapping[str, Any], kind: type[T], name: str, hint: str = SETTINGS_HINT) -> T:
+    """Nested dictionaries as a dataclass: unknown keys and values of the wrong type are errors.
+
+    Raises:
+        ConfigError: naming every key that is wrong.
+    """
     try:
-        return _converter().structure(settings, RunConfig)
+        return _converter().structure(settings, kind)
     except cattrs.BaseValidationError as error:
         refused = _config_error(error)
         if refused is not None:
             raise refused from error
         problems = "; ".join(cattrs.transform_error(error, path=name))
-        raise ConfigError(f"{problems}. Fix: see `indoorfit fit --help` for the settings.") from error
+        raise ConfigError(f"{problems}. Fix: {hint}") from error
 
 
 def _config_error(error: BaseException) -> ConfigError | None:

@@ -106,18 +106,6 @@ def test_two_rooms_side_by_side_are_two_with_a_wall_between(partition_m):
         np.testing.assert_allclose(np.sort(high - low), (2.7, 4.0, 5.0), atol=LIMIT_M)
 
 
-def test_a_step_in_the_ceiling_is_named():
-    scan = virtual("box", 10, n_points=60_000, missing_planes=(1,)).scan
-    rng = np.random.default_rng(10)
-    high = rng.uniform(0, 1, (10_000, 3)) * (3.5, 4.0, 0) + (0, 0, 2.7)
-    low = rng.uniform(0, 1, (4_000, 3)) * (1.5, 4.0, 0) + (3.5, 0, 2.3)
-    ceiling = np.vstack([high, low]) + rng.normal(0, 0.004, (14_000, 3))
-    _, notes = discovered(Scan(np.vstack([scan.points_m, ceiling])))
-    assert "CEILING_STEP" in [note.code for note in notes]
-    text = next(note.message for note in notes if note.code == "CEILING_STEP")
-    assert "0.40 m below" in text
-
-
 def test_same_scan_gives_the_same_shape():
     scan = virtual("X", 11, n_points=30_000, yaw_deg=10).scan
     assert discovered(scan)[0] == discovered(scan)[0]

@@ -30,17 +30,22 @@ def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) ->
     def odds(share: float, true: float, false: float) -> float:
         return share * np.log(true / false) + (1 - share) * np.log((1 - true) / (1 - false))
 
-    def gain_of(share: float, true: float, false: float, area_m2: float) -> float:
+    def gain_of(share: float, fine: float, true: float, false: float) -> float:
+        """Of one square metre, of which `fine` is unseen and yet no gap."""
         seen, unseen = odds(1.0, true, false), odds(0.0, true, false)
-        return area_m2 * (share * seen / config.patch_m**2 + (1 - share) * unseen / config.unseen_m**2)
+        coarse = 1.0 - share - fine
+        return share * seen / config.patch_m**2 + unseen * (
+            fine / config.patch_m**2 + coarse / config.unseen_m**2
+        )
 
     sizes_m = [np.diff(lines) for lines in grid]
     dx, dy = (size_m / config.patch_m for size_m in sizes_m)
     total = 0.0
     for i, j in np.argwhere(inside):
-        area_m2 = sizes_m[0][i] * sizes_m[1][j]
-        total -= gain_of(evidence.ceiling[i, j], config.ceiling_inside, config.ceiling_outside, area_m2)
-        total -= gain_of(evidence.floor[i, j], config.floor_inside, config.floor_outside, area_m2)
+        area_m2, ceiling, floor = sizes_m[0][i] * sizes_m[1][j], evidence.ceiling[i, j], evidence.floor[i, j]
+        roofless = min(1.0 - ceiling, floor)
+        total -= area_m2 * gain_of(ceiling, roofless, config.ceiling_inside, config.ceiling_outside)
+        total -= area_m2 * gain_of(floor, 0.0, config.floor_inside, config.floor_outside)
     padded = np.pad(inside, 1)
     for axis, widths in ((0, dy), (1, dx)):
         border = np.diff(padded.astype(int), axis=axis) != 0

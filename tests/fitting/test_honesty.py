@@ -1,6 +1,7 @@
 """Each warning about the intervals' assumptions fires where one is broken, and not where none is."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,7 +33,14 @@ def changed(seed, change, frame_ids=None) -> Scan:
     own = on_wall(made)
     points_m[own, AXIS] += change(points_m[own], rng)
     ids = None if frame_ids is None else frame_ids(made, rng)
-    return replace(made.scan, points_m=made.frame.to_scan(points_m), frame_ids=ids)
+    # Without colours nothing is painted, which would take longer than the fit.
+    return replace(made.scan, points_m=made.frame.to_scan(points_m), frame_ids=ids, colours=None)
+
+
+@cache
+def fitted(seed, change, frame_ids=None) -> FitResult:
+    """The model of `changed`, with default settings; results are immutable, so that tests can share them."""
+    return fit_scan(changed(seed, change, frame_ids))
 
 
 def plane(made: VirtualScan, axis: int, outward: int) -> int:
@@ -67,7 +75,7 @@ def mixed_frames(made, rng):
 @pytest.mark.parametrize("frame_ids", [None, mixed_frames], ids=["bare", "with frames"])
 def test_a_sound_scan_raises_no_alarm(frame_ids):
     for seed in range(4):
-        assert codes(fit_scan(changed(seed, unchanged, frame_ids))) == set()
+        assert codes(fitted(seed, unchanged, frame_ids)) == set()
 
 
 def patchy(scatter_m, share=1.0):
@@ -112,7 +120,7 @@ def doubled(points_m, rng):
     ],
 )
 def test_a_spoilt_wall_is_named(code, change, said):
-    result = fit_scan(changed(3, change))
+    result = fitted(3, change)
     assert code in codes(result)
     assert wall_id(result) in message(result, code)
     assert said in message(result, code)
@@ -168,7 +176,7 @@ def wall_from_one_of_two(made, rng):
     (one_station, False), (None, False),
 ])  # fmt: skip
 def test_a_wall_that_hangs_on_one_block_of_frames_is_named(frame_ids, fires):
-    result = fit_scan(changed(1, unchanged, frame_ids))
+    result = fitted(1, unchanged, frame_ids)
     assert ("SINGLE_BLOCK" in codes(result)) == fires
     if fires:
         assert wall_id(result) in message(result, "SINGLE_BLOCK")
@@ -176,7 +184,7 @@ def test_a_wall_that_hangs_on_one_block_of_frames_is_named(frame_ids, fires):
 
 
 def test_blocks_without_ids_are_told_once_in_the_explanation():
-    bare, known = (fit_scan(changed(1, unchanged, ids)) for ids in (None, mixed_frames))
+    bare, known = (fitted(1, unchanged, ids) for ids in (None, mixed_frames))
     assert "without frame ids" in bare.noise["explanation"]
     assert not any("frame ids" in note.message for note in bare.notes)
     assert known.noise["explanation"]

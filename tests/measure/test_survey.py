@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 
 from indoorfit.errors import IndoorfitError
-from indoorfit.geometry import shape_from_plan
+from indoorfit.geometry import Level, shape_from_plan, with_levels
 from indoorfit.measure import Survey, face_notes, measurands, survey
 from indoorfit.model import Frame, Shape
 from indoorfit.pipeline import truth_result
@@ -33,7 +33,22 @@ def pillar_room() -> Shape:
     return shape_from_plan([0.0, 1.0, 2.0, 4.0], [0.0, 1.5, 2.0, 3.0], [mask], [(0.0, 2.5)])
 
 
-SHAPES = {kind: room_shape(kind) for kind in KINDS} | {"pillar": pillar_room()}
+def leveled_room() -> Shape:
+    """An L with a platform in its arm, stairs of two steps beside it and a beam across."""
+    x, y = [0.0, 1.0, 2.0, 4.5, 5.5], [0.0, 0.8, 1.3, 2.0, 3.0]
+    mask = np.ones((4, 4), bool)
+    mask[3, 3] = False
+    column, row = np.indices(mask.shape)
+    levels = [
+        Level(0, "floor", 0.36, column == 0),
+        Level(0, "floor", 0.18, column == 1),
+        Level(0, "floor", 0.25, (column == 3) & mask),
+        Level(0, "ceiling", 2.2, row == 1),
+    ]
+    return with_levels(shape_from_plan(x, y, [mask], [(0.0, 2.5)]), x, y, [mask], levels)
+
+
+SHAPES = {kind: room_shape(kind) for kind in KINDS} | {"pillar": pillar_room(), "levels": leveled_room()}
 
 
 @pytest.mark.parametrize("kind", SHAPES)
@@ -185,3 +200,33 @@ def test_a_wall_pushed_through_another_is_told_and_never_a_crash(kind, shift_m):
         if solid.is_closed:
             assert found.rooms[0].volume.value > 0
             assert all(dimension.measurand.value > 0 for dimension in found.dimensions)
+
+
+def test_levels_add_their_clear_heights_rises_and_extents():
+    found = survey_of(leveled_room())
+    values = {
+        kind: sorted(round(d.measurand.value, 9) for d in found.dimensions if d.kind == kind)
+        for kind in ("height", "step", "width")
+    }
+    # The room's main levels, then every floor under the ceiling and under the beam.
+    floors, ceilings = (0.0, 0.18, 0.25, 0.36), (2.5, 2.2)
+    assert values["height"] == sorted(round(c - f, 9) for f in floors for c in ceilings)
+    assert values["step"] == [0.18, 0.25, 0.3, 0.36]
+    # Treads, beam and platform; along the walls they have the lengths that the walls have.
+    assert values["width"] == [0.5, 1.0, 1.0]
+
+
+def test_upright_faces_between_levels_are_steps_and_every_wall_stands_once():
+    found = survey_of(leveled_room())
+    (room,) = found.rooms
+    kinds = [face.kind for face in found.faces]
+    # A riser for each of the stairs, two sides of the beam; the platform's front continues the notch's wall.
+    assert kinds.count("wall") == 6
+    assert kinds.count("step") == 2 + 2
+    assert room.floor_area.value == pytest.approx(5.5 * 3 - 1)
+    assert room.perimeter.value == pytest.approx(17.0)
+
+
+def test_first_height_of_a_room_is_that_of_its_main_levels():
+    heights = [d for d in survey_of(leveled_room()).dimensions if d.kind == "height"]
+    assert heights[0].measurand.value == pytest.approx(2.5)

@@ -26,7 +26,7 @@ def scan():
         _, patch = np.unique(np.floor(points_m[own][:, within] / 0.9), axis=0, return_inverse=True)
         patch = patch.ravel()
         points_m[own, plane.axis] += 0.004 * rng.standard_normal(patch.max() + 1)[patch]
-    return replace(made.scan, points_m=made.frame.to_scan(points_m))
+    return replace(made.scan, points_m=made.frame.to_scan(points_m), colours=None)
 
 
 @pytest.fixture(scope="module")

@@ -135,3 +135,20 @@ def test_truth_lies_in_the_frame_of_the_scan():
         distance_m = (virtual.scan.points_m[on_face] - face.rings_m[0][0]) @ face.normal
         # 1.4 mm of noise along the ray at most 60 degrees off; the mean of hundreds of points.
         assert abs(float(np.mean(distance_m))) < 0.001
+
+
+def test_doors_between_rooms_are_told_once_and_lie_where_the_scene_has_them():
+    scene = random_scene(np.random.default_rng(5), RandomSceneSettings(n_rooms=3, n_doors=1, n_furniture=0))
+    virtual = scanned(scene)
+    truth = truth_of(virtual)
+    joining = [opening for opening in scene.openings if opening.kind == "door"][:2]
+    assert [door.rooms for door in truth.adjacency] == [("room-1", "room-2"), ("room-2", "room-3")]
+    for door, opening in zip(truth.adjacency, joining, strict=True):
+        # Rounding of coordinates of some metres.
+        assert door.width_m == pytest.approx(opening.width_m, abs=1e-12)
+        np.testing.assert_allclose(virtual.frame.to_manhattan(door.sill_m)[:2], opening.centre_m, atol=1e-9)
+    # Not every wall was seen from both sides in this scan; the scene as such has two partitions.
+    whole = truth_result(virtual.shape, virtual.frame, {}, 0)
+    thick = [d.quantity.value for d in whole.dimensions if d.kind == "thickness"]
+    gaps = [b.x_lines_m[0] - a.x_lines_m[-1] for a, b in zip(scene.rooms, scene.rooms[1:], strict=False)]
+    np.testing.assert_allclose(sorted(thick), sorted(gaps), atol=1e-9)

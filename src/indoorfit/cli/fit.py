@@ -29,6 +29,10 @@ class FitCommand:
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
     config: Path | None = None
     """TOML file with settings; options given here win over it."""
+    tape: Path | None = None
+    """Readings of a tape or laser meter (CSV, TOML; see tape-template): adds deviation and E_n."""
+    overrides: Path | None = None
+    """TOML file with a table [overrides]: walls forced or forbidden, boxes ignored, yaw, up axis."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
     up: Up | None = None
@@ -46,6 +50,9 @@ class FitCommand:
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
     overwrite: bool = False
     """Replace an earlier result in the same directory."""
+    write_registered: Path | None = None
+    """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
+    belief.use_frames on."""
     json: bool = False
     """Print the whole model as JSON instead of the table."""
     quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
@@ -56,7 +63,7 @@ class FitCommand:
     def run(self) -> int:
         """Carry the command out; returns the exit code."""
         set_up_logging(self.quiet, self.verbose)
-        from indoorfit.io import read_scan
+        from indoorfit.io import read_scan, read_tape
 
         check_output_directory(self.out, overwrite=self.overwrite)
         if self.format:
@@ -65,19 +72,47 @@ class FitCommand:
             check_formats(self.format)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
         given["sample"] = self.sample or None
-        config = run_config(self.config, self.up, self.sensor, **given)
+        config = run_config(self.config, self.up, self.sensor, self.overrides, **given)
         config = replace(config, texture=self.textures.settings(config.texture))
+        # Before the scan: a wrong table is told at once, not after the fit.
+        tape = None if self.tape is None else read_tape(self.tape)
         pictures = self.textures.pictures()
         scan = read_scan(self.scan, unit=self.unit)
+        registered = self.write_registered
+        if registered is not None:
+            check_registrable(scan, config, registered, overwrite=self.overwrite)
+            config = replace(config, belief=replace(config.belief, use_frames=True))
         return run_pipeline(
             scan,
             config,
             self.out,
             pictures,
+            tape,
             overwrite=self.overwrite,
             as_json=self.json,
             formats=self.format,
+            registered=registered,
         )
+
+
+def check_registrable(scan, config, path: Path, *, overwrite: bool) -> None:
+    """Say before the fit what would keep the registered cloud from being written."""
+    from indoorfit.errors import InputError, OutputError
+
+    if scan.frame_ids is None:
+        raise InputError(
+            f"{scan.name}: no frame ids; --write-registered moves single frames and needs the frame of every "
+            "point. Fix: export the scan with an integer property `frame`, or leave the option out."
+        )
+    if config.method != "joint":
+        raise InputError(
+            f"{scan.name}: --write-registered needs the slips of the frames, which only the joint method "
+            "estimates. Fix: --method joint."
+        )
+    if path.suffix.lower() != ".ply":
+        raise OutputError(f"{path}: need a name that ends in .ply. Fix: rename it.")
+    if path.exists() and not overwrite:
+        raise OutputError(f"{path}: exists already. Fix: choose another name or give --overwrite.")
 
 
 def run_pipeline(
@@ -85,17 +120,19 @@ def run_pipeline(
     config,
     out: Path,
     pictures=None,
+    tape=None,
     *,
     overwrite: bool,
     as_json: bool,
     formats: tuple[FormatName, ...] = (),
+    registered: Path | None = None,
 ) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
     import logging
 
     from indoorfit.io import to_document
     from indoorfit.model import Pictures
-    from indoorfit.pipeline import fit_scan, write_outputs
+    from indoorfit.pipeline import fit_scan, with_tape, write_outputs
     from indoorfit.report import dimension_table
 
     log = logging.getLogger("indoorfit")
@@ -103,8 +140,14 @@ def run_pipeline(
         # At once: the note on the unit is the likeliest reason for what goes wrong later.
         log.warning("%s: %s", note.code, note.message)
     result = fit_scan(scan, config, pictures or Pictures())
+    if tape is not None:
+        result = with_tape(result, tape)
+        for row in result.tape.refused if result.tape else ():
+            log.warning("%s, line %d: %s", tape.name, row.line, row.reason)
     for stage, seconds in result.provenance["timings_s"].items():
         log.debug("%s took %.2f s", stage, seconds)
+    if registered is not None:
+        _write_registered(scan, result, registered, overwrite=overwrite)
     write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
@@ -113,3 +156,14 @@ def run_pipeline(
         sys.stdout.write(dimension_table(result))
     log.info("written to %s", out)
     return 0 if result.converged else 3
+
+
+def _write_registered(scan, result, path: Path, *, overwrite: bool) -> None:
+    from indoorfit.errors import InputError
+    from indoorfit.fitting import register
+    from indoorfit.io import write_ply
+
+    if not result.registration:
+        reason = next((n.message for n in result.notes if n.code == "FRAMES_UNUSED"), "no face has cells.")
+        raise InputError(f"{scan.name}: no registered cloud: {reason} Fix: leave --write-registered out.")
+    write_ply(path, register(scan, result.registration), overwrite=overwrite)

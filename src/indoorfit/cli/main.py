@@ -5,7 +5,7 @@ import os
 import sys
 from typing import Annotated
 
-from .runtime import prepare_numerics
+from indoorfit.environment import prepare_numerics
 
 prepare_numerics()
 
@@ -13,20 +13,28 @@ import tyro  # noqa: E402  (NumPy must not be loaded before the lines above)
 
 from indoorfit.errors import IndoorfitError  # noqa: E402
 
+from .calibrate import CalibrateCommand  # noqa: E402
 from .compare import CompareCommand  # noqa: E402
 from .convert import ConvertCommand  # noqa: E402
 from .demo import DemoCommand  # noqa: E402
+from .evaluate import EvaluateCommand  # noqa: E402
+from .explain import ExplainCommand  # noqa: E402
 from .fit import FitCommand  # noqa: E402
 from .info import InfoCommand  # noqa: E402
 from .simulate import SimulateCommand  # noqa: E402
+from .tape_template import TapeTemplateCommand  # noqa: E402
 
 Command = (
     Annotated[FitCommand, tyro.conf.subcommand("fit")]
     | Annotated[ConvertCommand, tyro.conf.subcommand("convert")]
     | Annotated[CompareCommand, tyro.conf.subcommand("compare")]
+    | Annotated[ExplainCommand, tyro.conf.subcommand("explain")]
     | Annotated[SimulateCommand, tyro.conf.subcommand("simulate")]
     | Annotated[DemoCommand, tyro.conf.subcommand("demo")]
     | Annotated[InfoCommand, tyro.conf.subcommand("info")]
+    | Annotated[TapeTemplateCommand, tyro.conf.subcommand("tape-template")]
+    | Annotated[EvaluateCommand, tyro.conf.subcommand("evaluate")]
+    | Annotated[CalibrateCommand, tyro.conf.subcommand("calibrate")]
 )
 
 

@@ -47,8 +47,8 @@ def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines,
     across_x, across_y = (
         _with_ends(
             seen[axis],
-            [*_coverage_ends(surfaces, axis, config), *_wall_ends(surfaces, axis, seen[1 - axis][1], config)],
-            _end_reach(surfaces),
+            [*coverage_ends(surfaces, axis, config), *_wall_ends(surfaces, axis, seen[1 - axis][1], config)],
+            end_reach(surfaces),
         )
         for axis in (0, 1)
     )
@@ -61,7 +61,7 @@ def _with_ends(
     """Seen walls, and ends that no seen wall explains."""
     offsets_m, surfel_line = seen
     fresh_m = [end for end in ends_m if all(abs(end - offset) > reach_m for offset in offsets_m)]
-    everything = np.concatenate([offsets_m, _distinct(fresh_m, reach_m)])
+    everything = np.concatenate([offsets_m, distinct(fresh_m, reach_m)])
     order = np.argsort(everything, kind="stable")
     # The last rank serves surfels without a line.
     rank = np.append(np.argsort(order, kind="stable"), -1)
@@ -126,12 +126,12 @@ def _modes(across_m: Float[np.ndarray, " n"], merge_m: float) -> Float[np.ndarra
     return edges[found] + 0.5 * bin_m
 
 
-def _end_reach(surfaces: Surfaces) -> float:
+def end_reach(surfaces: Surfaces) -> float:
     """How far the end of floor or ceiling may lie from the wall that ends it."""
     return 1.5 * surfaces.pixel_m + 3.0 * surfaces.noise_m
 
 
-def _coverage_ends(surfaces: Surfaces, axis: int, config: CandidateConfig) -> list[float]:
+def coverage_ends(surfaces: Surfaces, axis: int, config: CandidateConfig) -> list[float]:
     """Positions at which floor or ceiling stops along at least `min_end_m`."""
     ends: list[float] = []
     for points_m in (surfaces.ceiling_m, surfaces.floor_m):
@@ -189,7 +189,7 @@ def _row_ends(
     return found
 
 
-def _distinct(values: list[float], reach: float) -> list[float]:
+def distinct(values: list[float], reach: float) -> list[float]:
     kept: list[float] = []
     for value in values:
         if all(abs(value - other) > reach for other in kept):

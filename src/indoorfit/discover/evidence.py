@@ -38,7 +38,7 @@ def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
         lines: candidates along x and along y, at least two each.
     """
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    floor = _cell_coverage(surfaces.floor_m, grid, surfaces)
+    floor = cell_coverage(surfaces.floor_m, grid, surfaces)
     ceiling = _roofed(surfaces, grid, floor)
     top_m = _tops(surfaces, grid)
     across_x, across_y = (_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
@@ -56,12 +56,12 @@ def _roofed(
     without, it is the head of a window or the top of a cupboard.
     """
     main = np.abs(surfaces.ceiling_m[:, 2] - surfaces.ceiling_height_m) < _LINTEL_M
-    share = _cell_coverage(surfaces.ceiling_m[main], grid, surfaces)
-    whole = _cell_coverage(surfaces.ceiling_m, grid, surfaces)
+    share = cell_coverage(surfaces.ceiling_m[main], grid, surfaces)
+    whole = cell_coverage(surfaces.ceiling_m, grid, surfaces)
     return np.maximum(share, np.minimum(whole, floor))
 
 
-def _cell_coverage(
+def cell_coverage(
     points_m: Float[np.ndarray, "points 3"],
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
     surfaces: Surfaces,

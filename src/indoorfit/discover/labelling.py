@@ -11,6 +11,12 @@ from indoorfit.model import Note
 from .evidence import Evidence
 from .minimise import PlanEnergy, minimise
 
+Borders = tuple[Bool[np.ndarray, "nx1 ny"], Bool[np.ndarray, "nx ny1"]]
+"""A choice among the borders of constant x, and of constant y; the outermost included."""
+
+FORBIDDEN_NATS = 1e5
+"""Cost of a forbidden border: the evidence of a storey of 1000 m² is some ten thousand nats."""
+
 
 @dataclass(frozen=True)
 class LabelConfig:
@@ -21,7 +27,8 @@ class LabelConfig:
     surface, a lamp or a shelf, is about that large, so finer pixels are not independent."""
     unseen_m: float = 0.5
     """What was not seen of floor and ceiling is counted once per square of this side: a shadow of a
-    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large."""
+    thing or of a wall's corner, or a place where the path never looked, has one cause and is that large.
+    Ceiling that is missing over floor that was seen is no gap, and counts patch by patch."""
     ceiling_inside: float = 0.9
     """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
@@ -64,6 +71,7 @@ def label_cells(
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
     seen_m2: float,
     config: LabelConfig,
+    forbidden: Borders | None = None,
 ) -> tuple[Bool[np.ndarray, "nx ny"], tuple[Note, ...]]:
     """Minimise the negative log posterior of inside/outside labels over the plan's cells.
 
@@ -76,22 +84,44 @@ def label_cells(
         grid: candidate lines, Manhattan frame, metres.
         seen_m2: area of all surfaces that were seen, for the price of a wall.
         config: see `LabelConfig`.
+        forbidden: borders of constant x, of constant y, along which no outline may run.
     """
+    energy = plan_energy(evidence, grid, seen_m2, config, forbidden)
+    inside, gap = minimise(energy, config.max_open_cells)
+    # A whole wall's price short of the best is worth a warning.
+    return inside, (_gap_note(gap),) if gap > price_of_one(seen_m2, config) else ()
+
+
+def plan_energy(
+    evidence: Evidence,
+    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    seen_m2: float,
+    config: LabelConfig,
+    forbidden: Borders | None = None,
+) -> PlanEnergy:
+    """The terms of the energy that `label_cells` minimises, nats."""
     widths = [np.diff(line) for line in grid]
-    cells = -_cell_gain(evidence, np.outer(*widths), config)
+    cells = cell_costs(evidence, np.outer(*widths), config)
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
-        cost = -_log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
-        borders.append(cost * along / config.patch_m)
-    price = config.wall_price
-    if price is None:
-        # As many observations as the evidence is counted in.
-        price = 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
-    energy = PlanEnergy(cells, (borders[0], borders[1]), price)
-    inside, gap = minimise(energy, config.max_open_cells)
-    # A whole wall's price short of the best is worth a warning.
-    return inside, (_gap_note(gap),) if gap > price else ()
+        cost = -log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
+        cost = cost * along / config.patch_m
+        borders.append(cost if forbidden is None else np.where(forbidden[axis], FORBIDDEN_NATS, cost))
+    return PlanEnergy(cells, (borders[0], borders[1]), price_of_one(seen_m2, config))
+
+
+def price_of_one(seen_m2: float, config: LabelConfig) -> float:
+    """What one more parameter costs, in nats.
+
+    Args:
+        seen_m2: area of all surfaces that were seen.
+        config: see `LabelConfig`.
+    """
+    if config.wall_price is not None:
+        return config.wall_price
+    # As many observations as the evidence is counted in.
+    return 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
 
 
 def _gap_note(gap: float) -> Note:
@@ -103,20 +133,28 @@ def _gap_note(gap: float) -> Note:
     )
 
 
-def _log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
+def log_odds(share: np.ndarray, if_true: float, if_false: float) -> np.ndarray:
     """Log likelihood ratio per patch, of which the share `share` was seen."""
     return share * np.log(if_true / if_false) + (1.0 - share) * np.log((1.0 - if_true) / (1.0 - if_false))
 
 
-def _cell_gain(
+def _odds_of_one(if_true: float, if_false: float) -> tuple[float, float]:
+    """Log likelihood ratios of a patch that was seen, and of one that was not."""
+    return float(np.log(if_true / if_false)), float(np.log((1.0 - if_true) / (1.0 - if_false)))
+
+
+def cell_costs(
     evidence: Evidence, area_m2: Float[np.ndarray, "nx ny"], config: LabelConfig
 ) -> Float[np.ndarray, "nx ny"]:
-    kinds = [(evidence.floor, config.floor_inside, config.floor_outside)]
+    """What each cell costs if it is inside, nats: minus the log odds of its ceiling and floor."""
+    fine, coarse = area_m2 / config.patch_m**2, area_m2 / config.unseen_m**2
+    seen, unseen = _odds_of_one(config.floor_inside, config.floor_outside)
+    gain = evidence.floor * fine * seen + (1.0 - evidence.floor) * coarse * unseen
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
-        kinds.append((evidence.ceiling, config.ceiling_inside, config.ceiling_outside))
-    gain = np.zeros(area_m2.shape)
-    for share, inside, outside in kinds:
-        gain += share * area_m2 / config.patch_m**2 * np.log(inside / outside)
-        gain += (1.0 - share) * area_m2 / config.unseen_m**2 * np.log((1.0 - inside) / (1.0 - outside))
-    return gain
+        seen, unseen = _odds_of_one(config.ceiling_inside, config.ceiling_outside)
+        # Over floor that was seen the missing ceiling is no gap: somebody looked there, and it is a terrace.
+        missing = np.minimum(1.0 - evidence.ceiling, evidence.floor)
+        gain += evidence.ceiling * fine * seen
+        gain += (missing * fine + (1.0 - evidence.ceiling - missing) * coarse) * unseen
+    return -gain

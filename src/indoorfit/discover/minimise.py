@@ -27,17 +27,17 @@ class PlanEnergy:
     """Cost of a cell being inside."""
     borders: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
     """Cost of the outline running along a border of constant x, of constant y; the outermost included."""
-    corner_price: float
-    """Cost of a corner of the outline, not negative."""
+    corner_price: float | Float[np.ndarray, "nx1 ny1"]
+    """Cost of a corner of the outline, not negative: one for all vertices, or one for each."""
 
     def of(self, inside: Bool[np.ndarray, "nx ny"]) -> float:
         """The energy of one labelling."""
         padded = np.pad(inside.astype(int), 1)
         along_x = np.abs(np.diff(padded, axis=0))[:, 1:-1]
         along_y = np.abs(np.diff(padded, axis=1))[1:-1]
-        corners = np.abs(np.diff(np.diff(padded, axis=0), axis=1))
+        corners = self.corner_price * np.abs(np.diff(np.diff(padded, axis=0), axis=1))
         borders = np.sum(self.borders[0] * along_x) + np.sum(self.borders[1] * along_y)
-        return float(np.sum(self.cells * inside) + borders + self.corner_price * corners.sum())
+        return float(np.sum(self.cells * inside) + borders + corners.sum())
 
 
 def minimise(energy: PlanEnergy, max_open_cells: int) -> tuple[Bool[np.ndarray, "nx ny"], float]:
@@ -89,7 +89,7 @@ class _Programme:
         n_cells = energy.cells.size
         n_x, n_y = (costs.size for costs in energy.borders)
         n_corners = (self.shape[0] + 1) * (self.shape[1] + 1)
-        corners = np.full(n_corners, energy.corner_price)
+        corners = np.broadcast_to(energy.corner_price, (self.shape[0] + 1, self.shape[1] + 1)).ravel()
         self.costs = np.concatenate(
             [energy.cells.ravel(), energy.borders[0].ravel(), energy.borders[1].ravel(), corners]
         )

@@ -1,12 +1,25 @@
 """Doors between rooms: where the inside of the plan is narrow and wall goes on at both sides."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from .evidence import Evidence
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What a way through a wall is."""
+
+    door_m: float
+    """Greatest clear width."""
+    wall_m: float
+    """Greatest thickness of the wall."""
+    lintel_share: float
+    """Least share of the lintel that was seen."""
 
 
 def open_borders(
@@ -64,23 +77,23 @@ def pieces_of(
 def close_passages(
     inside: Bool[np.ndarray, "nx ny"],
     links: tuple[Bool[np.ndarray, "nx_1 ny"], Bool[np.ndarray, "nx ny_1"]],
+    evidence: Evidence,
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    door_m: float,
-    wall_m: float,
+    limits: Passage,
     room_m2: float,
 ) -> Bool[np.ndarray, "nx ny"]:
     """The inside without the reveals of doors that part it into rooms.
 
-    A passage through a wall is a block of inside cells at most `wall_m` deep and `door_m` wide, with no
-    inside at either flank and inside at both ends. It is closed if two pieces of at least `room_m2` fall
-    apart: the neck between two pillars, or before a niche, stays.
+    A passage through a wall is a block of inside cells of limited depth and width, with no inside at either
+    flank, inside at both ends, and a lintel over one of them. It is closed if two pieces of at least
+    `room_m2` fall apart: the neck between two pillars, or before a niche, stays.
 
     Args:
         inside: labels of cells.
         links: borders across which cells belong together.
+        evidence: shares seen.
         grid: candidate lines, metres.
-        door_m: clear width up to which an opening is a door.
-        wall_m: greatest thickness of a wall.
+        limits: what a passage is.
         room_m2: least area of a room.
     """
     areas_m2 = np.outer(np.diff(grid[0]), np.diff(grid[1]))
@@ -88,15 +101,31 @@ def close_passages(
     for axis in (0, 1):
         # Views: what is changed in `turned` changes `kept`.
         turned, lines = np.moveaxis(kept, axis, 0), (grid[axis], grid[1 - axis])
-        for block in list(_blocks(turned, lines, door_m, wall_m)):
+        lintels = np.moveaxis(evidence.lintels[axis], axis, 0)
+        for block in list(_blocks(turned, lines, limits)):
             before = turned[block].copy()
             if not before.all():
                 continue  # part of a passage that was closed already
+            if not _under_lintel(lintels, lines[1], block, limits.lintel_share):
+                continue
             whole = _large(kept, links, areas_m2, room_m2)
             turned[block] = False
             if _large(kept, links, areas_m2, room_m2) <= whole:
                 turned[block] = before
     return kept
+
+
+def _under_lintel(
+    lintels: Float[np.ndarray, "n1 m"],
+    along_m: Float[np.ndarray, " m1"],
+    block: tuple[slice, slice],
+    least_share: float,
+) -> bool:
+    """Whether a lintel was seen over one of a passage's two ends."""
+    through, along = block
+    widths_m = np.diff(along_m)[along]
+    shares = [np.average(lintels[line, along], weights=widths_m) for line in (through.start, through.stop)]
+    return bool(max(shares) >= least_share)
 
 
 def _large(
@@ -115,13 +144,12 @@ def _large(
 def _blocks(
     inside: Bool[np.ndarray, "n m"],
     lines: tuple[Float[np.ndarray, " n1"], Float[np.ndarray, " m1"]],
-    door_m: float,
-    wall_m: float,
+    limits: Passage,
 ) -> Iterator[tuple[slice, slice]]:
     """Passages along the first axis, thinnest walls first."""
     n = inside.shape[0]
     ends = [(i0, i1) for i0 in range(1, n - 1) for i1 in range(i0 + 1, n)]
-    ends = [(i0, i1) for i0, i1 in ends if lines[0][i1] - lines[0][i0] <= wall_m]
+    ends = [(i0, i1) for i0, i1 in ends if lines[0][i1] - lines[0][i0] <= limits.wall_m]
     ends.sort(key=lambda pair: (lines[0][pair[1]] - lines[0][pair[0]], pair))
     for i0, i1 in ends:
         through = inside[i0:i1].all(axis=0)
@@ -130,5 +158,5 @@ def _blocks(
         for j0, j1 in zip(np.flatnonzero(steps == 1), np.flatnonzero(steps == -1), strict=True):
             flanked = not some[j0] and not some[j1 + 1]
             joins = inside[i0 - 1, j0:j1].any() and inside[i1, j0:j1].any()
-            if flanked and joins and lines[1][j1] - lines[1][j0] <= door_m:
+            if flanked and joins and lines[1][j1] - lines[1][j0] <= limits.door_m:
                 yield slice(i0, i1), slice(int(j0), int(j1))

@@ -6,12 +6,18 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from indoorfit.errors import InputError
-from indoorfit.geometry import Exposure, exposures, shape_from_plan
+from indoorfit.geometry import Exposure, Level, exposures, shape_from_plan, with_levels
 from indoorfit.model import Note, Plane, Shape
 
 from .evidence import Evidence
-from .passages import close_passages, open_borders, pieces_of
+from .labelling import LabelConfig
+from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
+from .levels import RoomLevels, find_levels, level_cells
+from .passages import Passage, close_passages, open_borders, pieces_of
 from .surfaces import Surfaces
+
+_NOTABLE_M2 = 1.0
+"""Levels of less area than this are not worth a warning."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +37,6 @@ class RoomConfig:
     wider ones make one room of the two."""
     wall_m: float = 0.5
     """Greatest thickness of a wall that a door leads through: old masonry; plans since 1900 have less."""
-    step_m: float = 0.08
-    """Levels of ceiling or floor that differ by more are reported as a step; as for walls."""
 
 
 def split_rooms(
@@ -47,7 +51,8 @@ def split_rooms(
         InputError: nothing of the size of a room.
     """
     links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
-    inside = close_passages(inside, links, grid, config.door_m, config.wall_m, config.min_area_m2)
+    limits = Passage(config.door_m, config.wall_m, config.partition_share)
+    inside = close_passages(inside, links, evidence, grid, limits, config.min_area_m2)
     links = open_borders(inside, evidence, grid, config.partition_share, config.door_m)
     labels = pieces_of(inside, links)
     areas = np.outer(np.diff(grid[0]), np.diff(grid[1]))
@@ -107,22 +112,60 @@ def _walled(
 
 def build_shape(
     rooms: list[Bool[np.ndarray, "nx ny"]],
-    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
+    grid: Grid,
     surfaces: Surfaces,
-    config: RoomConfig,
+    labels: LabelConfig,
+    price: float,
+    config: LevelConfig,
 ) -> tuple[Shape, tuple[Note, ...]]:
-    """The grammar of all rooms, and remarks on what it leaves out."""
-    z_ranges_m, notes = [], []
+    """The grammar of all rooms, and remarks on what it leaves out.
+
+    Args:
+        rooms: cells of each room.
+        grid: lines of the cells.
+        surfaces: sorted evidence.
+        labels: chances of seeing what is there.
+        price: of one parameter, nats.
+        config: what counts as a level.
+    """
+    found: list[tuple[RoomLevels, RoomLevels]] = []
     for mask in rooms:
-        levels_m, remarks = _levels(mask, grid, surfaces, config)
-        z_ranges_m.append(levels_m)
-        notes += remarks
-    shape = shape_from_plan(list(grid[0]), list(grid[1]), rooms, z_ranges_m)
+        tasks = (LevelTask(on, mask, grid, surfaces, labels, price) for on in KINDS)
+        fallback_m = (surfaces.floor_height_m, surfaces.ceiling_height_m)
+        floor, ceiling = (find_levels(task, z_m, config) for task, z_m in zip(tasks, fallback_m, strict=True))
+        found.append((floor, ceiling))
+    shape = _stacked(rooms, grid, found)
     planes = [
         _place(plane, exposure, surfaces)
         for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
     ]
+    notes = [
+        note for pair in found for on, levels in zip(KINDS, pair, strict=True) for note in _odd(on, levels)
+    ]
     return replace(shape, planes=tuple(planes)), tuple(notes)
+
+
+def _stacked(
+    rooms: list[Bool[np.ndarray, "nx ny"]], grid: Grid, found: list[tuple[RoomLevels, RoomLevels]]
+) -> Shape:
+    """Rooms between their outermost levels, minus what lies between these and the others."""
+    pieces = [piece for pair in found for levels in pair for piece in levels.others]
+    finer: Grid = (
+        np.unique(np.concatenate([grid[0], *(piece.grid[0] for piece in pieces)])),
+        np.unique(np.concatenate([grid[1], *(piece.grid[1] for piece in pieces)])),
+    )
+    masks = [refined(mask, grid, finer) for mask in rooms]
+    z_ranges_m, levels = [], []
+    for k, (mask, pair) in enumerate(zip(masks, found, strict=True)):
+        ends = []
+        for on, room_levels in zip(KINDS, pair, strict=True):
+            cells = level_cells(room_levels, mask, finer)
+            outermost_m = (min if on == "floor" else max)(cells)
+            ends.append(outermost_m)
+            levels += [Level(k, on, z_m, at) for z_m, at in cells.items() if z_m != outermost_m]
+        z_ranges_m.append((ends[0], ends[1]))
+    shape = shape_from_plan(list(grid[0]), list(grid[1]), rooms, z_ranges_m)
+    return with_levels(shape, list(finer[0]), list(finer[1]), masks, levels)
 
 
 def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
@@ -140,51 +183,18 @@ def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
     return replace(plane, offset_m=float(np.median(level_m[near, plane.axis])))
 
 
-def _levels(
-    mask: Bool[np.ndarray, "nx ny"],
-    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    surfaces: Surfaces,
-    config: RoomConfig,
-) -> tuple[tuple[float, float], list[Note]]:
-    """Floor and ceiling height of one room, and a note for every further level of note."""
-    notes: list[Note] = []
-    chosen = []
-    for name, points_m, fallback_m in (
-        ("floor", surfaces.floor_m, surfaces.floor_height_m),
-        ("ceiling", surfaces.ceiling_m, surfaces.ceiling_height_m),
-    ):
-        i = np.searchsorted(grid[0], points_m[:, 0]) - 1
-        j = np.searchsorted(grid[1], points_m[:, 1]) - 1
-        over = np.pad(mask, ((0, 1), (0, 1)))[np.clip(i, -1, mask.shape[0]), np.clip(j, -1, mask.shape[1])]
-        levels = _level_areas(points_m[over, 2], config.step_m, (surfaces.pixel_m / 2.0) ** 2)
-        main_m = levels[0][0] if levels else fallback_m
-        chosen.append(main_m)
-        for level_m, area_m2 in levels[1:]:
-            # A tenth of the main level is more than shelves and lamps make up.
-            if area_m2 >= max(0.1 * levels[0][1], config.min_area_m2):
-                notes.append(
-                    Note(
-                        f"{name.upper()}_STEP",
-                        f"{area_m2:.1f} m² of the {name} lie {abs(level_m - main_m):.2f} m "
-                        f"{'above' if level_m > main_m else 'below'} its main level. The model has one "
-                        f"{name} a room, at the main level: the volume is off by the step.",
-                    )
-                )
-    return (chosen[0], chosen[1]), notes
-
-
-def _level_areas(
-    heights_m: Float[np.ndarray, " n"], step_m: float, area_m2: float
-) -> list[tuple[float, float]]:
-    """Levels as (height, area), largest first; each level takes what lies within one step of its peak."""
-    levels: list[tuple[float, float]] = []
-    left = np.sort(heights_m)
-    while len(left):
-        counts = np.searchsorted(left, left + step_m, side="right") - np.arange(len(left))
-        k = int(np.argmax(counts))
-        member = np.zeros(len(left), bool)
-        member[k : k + counts[k]] = True
-        level_m = float(np.median(left[member]))
-        levels.append((level_m, area_m2 * float(counts[k])))
-        left = left[np.abs(left - level_m) > step_m]
-    return sorted(levels, key=lambda level: -level[1])
+def _odd(on: Kind, levels: RoomLevels) -> list[Note]:
+    """A note for every level of note that could not be modelled."""
+    total_m2 = levels.area_m2
+    return [
+        Note(
+            f"{on.upper()}_STEP",
+            f"{area_m2:.1f} m² of the {on} lie {abs(level_m - levels.main_m):.2f} m "
+            f"{'above' if level_m > levels.main_m else 'below'} its main level, hanging or standing free "
+            "or without a clear outline, and are not in the model. Fix: look at the scan there; if they are "
+            "part of the building, the volume is off by them.",
+        )
+        for level_m, area_m2 in levels.unexplained
+        # A tenth of the main level is more than shelves and lamps make up.
+        if area_m2 >= max(0.1 * total_m2, _NOTABLE_M2)
+    ]

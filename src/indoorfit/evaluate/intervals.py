@@ -1,5 +1,6 @@
 """How good intervals are: coverage with its own uncertainty, interval score, reliability."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -40,10 +41,21 @@ def coverage(hits: ArrayLike) -> Coverage:
     n = len(taken)
     if n == 0:
         return Coverage(float("nan"), 0.0, 1.0, 0)
-    share, z2 = float(taken.mean()), _Z95**2
+    share = float(taken.mean())
+    return Coverage(share, *wilson(share, float(n)), n)
+
+
+def wilson(share: float, n: float) -> tuple[float, float]:
+    """Ends of the 95 % interval of a share that was seen in `n` independent cases.
+
+    Args:
+        share: 0 to 1.
+        n: cases; need not be whole where it is what dependent cases are worth.
+    """
+    z2 = _Z95**2
     middle = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = _Z95 / (1 + z2 / n) * np.sqrt(share * (1 - share) / n + z2 / (4 * n**2))
-    return Coverage(share, max(0.0, float(middle - half)), min(1.0, float(middle + half)), n)
+    half = _Z95 / (1 + z2 / n) * math.sqrt(share * (1 - share) / n + z2 / (4 * n**2))
+    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 Numbers = float | Float[np.ndarray, "..."]

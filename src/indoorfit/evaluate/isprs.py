@@ -28,7 +28,7 @@ from .alignment import flat_faces
 SPACING_M = 0.05
 """Edge of a cell: a third of the largest buffer, and some ten thousand cells in a room."""
 BUFFERS_M = tuple(np.round(np.arange(0.0, 0.1501, 0.01), 2).tolist())
-_ALL: tuple[FaceKind, ...] = ("wall", "floor", "ceiling")
+_ALL: tuple[FaceKind, ...] = ("wall", "floor", "ceiling", "step")
 _CHUNK = 4096
 
 

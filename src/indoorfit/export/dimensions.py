@@ -6,13 +6,14 @@ import math
 from pathlib import Path
 
 from indoorfit.files import replace_file
-from indoorfit.model import Dimension, FitResult
+from indoorfit.model import Dimension, FitResult, TapeCheck
 
 _COLUMNS = (
     "id", "kind", "room", "wall", "face_from", "face_to", "value_m", "std_m", "level", "low_m", "high_m",
     "status", "from_x_m", "from_y_m", "from_z_m", "to_x_m", "to_y_m", "to_z_m", "data_std_m", "scale_std_m",
     "definition_std_m", "coverage_factor", "effective_dof", "loa",
 )  # fmt: skip
+_TAPE_COLUMNS = ("tape_m", "tape_std_m", "deviation_m", "e_n", "holds")
 
 
 def write_dimensions_csv(path: Path, result: FitResult) -> None:
@@ -20,13 +21,15 @@ def write_dimensions_csv(path: Path, result: FitResult) -> None:
 
     Numbers are rounded to a nanometre, which is below every uncertainty and keeps the last bits of
     the arithmetic out of the file. A number that is not known is left empty.
+    Where the model was compared with a tape, its columns follow.
 
     Raises:
         OutputError: the file cannot be written.
     """
     text = io.StringIO(newline="")
     rows = csv.writer(text, lineterminator="\r\n")
-    rows.writerow(_COLUMNS)
+    tape = {} if result.tape is None else {check.dimension: check for check in result.tape.checks}
+    rows.writerow(_COLUMNS if result.tape is None else (*_COLUMNS, *_TAPE_COLUMNS))
     for d in result.dimensions:
         interval = d.quantity.interval
         numbers = (d.quantity.value, d.quantity.std)
@@ -42,6 +45,7 @@ def write_dimensions_csv(path: Path, result: FitResult) -> None:
                 d.status,
                 *map(_number, points),
                 *_uncertainty(d),
+                *([] if result.tape is None else _tape_cells(tape.get(d.id))),
             ]
         )
     replace_file(path, text.getvalue().encode())
@@ -56,6 +60,13 @@ def _uncertainty(dimension: Dimension) -> list[str]:
         numbers = [*map(_number, parts), "", _number(budget.effective_dof)]
     numbers[3] = "" if factor is None else _number(factor)
     return [*numbers, dimension.loa or ""]
+
+
+def _tape_cells(check: TapeCheck | None) -> list[str]:
+    if check is None:
+        return [""] * len(_TAPE_COLUMNS)
+    numbers = (check.value_m, check.std_m, check.deviation_m, check.e_n)
+    return [*map(_number, numbers), "yes" if check.holds else "no"]
 
 
 def _number(value: float) -> str:

@@ -17,7 +17,10 @@ from .intervals import MeasurandPrediction as MeasurandPrediction
 from .joint import JointConfig as JointConfig
 from .joint import JointFit as JointFit
 from .joint import fit_joint as fit_joint
+from .motions import frame_motions as frame_motions
+from .motions import register as register
 from .patches import PatchData as PatchData
+from .plane_covariance import plane_covariance as plane_covariance
 from .residuals import build_cells as build_cells
 from .uncertainty import Cells as Cells
 from .uncertainty import SamplerConfig as SamplerConfig

@@ -6,9 +6,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from indoorfit.geometry import Exposure, exposures
-from indoorfit.model import Shape
+from indoorfit.model import Plane, Shape
 
 from .patches import MAD_TO_STD, PatchData, Patches, joined, summarise
+from .sight import Sight
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,11 @@ class AssociationConfig:
 
 
 def associate(
-    points_m: Float[np.ndarray, "points 3"], shape: Shape, config: AssociationConfig, pixel_m: float
+    points_m: Float[np.ndarray, "points 3"],
+    shape: Shape,
+    config: AssociationConfig,
+    pixel_m: float,
+    sight: Sight | None = None,
 ) -> PatchData:
     """Claim points for every plane and summarise them patch by patch.
 
@@ -41,8 +46,9 @@ def associate(
         shape: planes near their final places (within half the reach).
         config: see `AssociationConfig`.
         pixel_m: side of the squares in which coverage is counted.
+        sight: of the points, Manhattan frame, where known.
     """
-    return _associate(points_m, None, shape, config, pixel_m, config.patch_m)
+    return _associate(points_m, None, shape, config, pixel_m, config.patch_m, sight)
 
 
 def associate_frames(
@@ -51,6 +57,8 @@ def associate_frames(
     shape: Shape,
     config: AssociationConfig,
     pixel_m: float,
+    sight: Sight | None = None,
+    measured_m: Float[np.ndarray, "points 3"] | None = None,
 ) -> PatchData:
     """The same with one cell per frame and patch, for the pose model.
 
@@ -60,8 +68,12 @@ def associate_frames(
         shape: fitted planes.
         config: see `AssociationConfig`; patches have the side `frame_patch_m`.
         pixel_m: side of the squares in which coverage is counted.
+        sight: of the points, Manhattan frame, where known.
+        measured_m: where the points are in the cloud as it is, if `points_m` has the slips taken out: those
+            decide which plane a point belongs to, these are summarised.
     """
-    return _associate(points_m, frame_index, shape, config, pixel_m, config.frame_patch_m)
+    patch_m = config.frame_patch_m
+    return _associate(points_m, frame_index, shape, config, pixel_m, patch_m, sight, measured_m)
 
 
 def _associate(
@@ -71,31 +83,44 @@ def _associate(
     config: AssociationConfig,
     pixel_m: float,
     patch_m: float,
+    sight: Sight | None,
+    measured_m: Float[np.ndarray, "points 3"] | None = None,
 ) -> PatchData:
     parts: list[Patches] = []
     n_planes = len(shape.planes)
     n_points, rms_m, coverage = np.zeros(n_planes, int), np.zeros(n_planes), np.zeros(n_planes)
-    for exposure, chosen in zip(exposures(shape), claims(points_m, shape, config), strict=True):
-        plane, claimed = shape.planes[exposure.plane], points_m[chosen]
+    claimed_of_planes = claims(points_m, shape, config, sight)
+    for exposure, (chosen, claimed) in zip(exposures(shape), claimed_of_planes, strict=True):
+        plane = shape.planes[exposure.plane]
+        if measured_m is not None:
+            claimed = measured_m[chosen]
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)
         n_points[exposure.plane] = len(residuals_m)
         if len(residuals_m) >= config.min_points:
             rms_m[exposure.plane] = MAD_TO_STD * np.median(np.abs(residuals_m - np.median(residuals_m)))
         frames = None if frame_index is None else frame_index[chosen]
-        parts.append(summarise(claimed, frames, exposure, plane.offset_m, patch_m, config.min_points))
+        # A single frame's cell has few points, in the few depths that a disparity can take.
+        coarse_m = 0.0 if frame_index is None else float(rms_m[exposure.plane])
+        parts.append(
+            summarise(claimed, frames, exposure, plane.offset_m, patch_m, config.min_points, coarse_m)
+        )
     return PatchData(joined(parts), n_points, rms_m, coverage)
 
 
 def claims(
-    points_m: Float[np.ndarray, "points 3"], shape: Shape, config: AssociationConfig
-) -> tuple[Int[np.ndarray, " _"], ...]:
-    """Indices of the points that belong to each plane, in the order of `shape.planes`.
+    points_m: Float[np.ndarray, "points 3"],
+    shape: Shape,
+    config: AssociationConfig,
+    sight: Sight | None = None,
+) -> tuple[tuple[Int[np.ndarray, " _"], Float[np.ndarray, "_ 3"]], ...]:
+    """Indices and places of the points that belong to each plane, in the order of `exposures`.
 
     Args:
         points_m: Manhattan frame, metres.
         shape: planes near their final places (within half the reach).
         config: see `AssociationConfig`.
+        sight: of the points, Manhattan frame, where known.
     """
     found = []
     for exposure in exposures(shape):
@@ -105,34 +130,67 @@ def claims(
         rivals_m = [
             other.offset_m for other in shape.planes if other.axis == plane.axis and other is not plane
         ]
-        found.append(_claim(seen, exposure, plane.offset_m, rivals_m, config))
+        found.append(_claim(seen, exposure, plane, rivals_m, config, sight))
     return tuple(found)
 
 
 def _claim(
     points_m: Float[np.ndarray, "points 3"],
     exposure: Exposure,
-    offset_m: float,
+    plane: Plane,
     rivals_m: list[float],
     config: AssociationConfig,
-) -> Int[np.ndarray, " claimed"]:
-    """Indices of the points on the exposed part of one plane."""
+    sight: Sight | None,
+) -> tuple[Int[np.ndarray, " claimed"], Float[np.ndarray, "claimed 3"]]:
+    """Indices of the points on the exposed part of one plane, and their places.
+
+    Where lines of sight are known, a place along the plane is where the line meets it; the coordinate
+    across the plane is always the measured one.
+    """
+    offset_m = plane.offset_m
     residuals_m = points_m[:, exposure.axis] - offset_m
     near = np.flatnonzero(np.abs(residuals_m) < config.max_reach_m)
-    inner = np.abs(residuals_m[near]) < config.reach_m
+    residuals_m = residuals_m[near]
+    places_m, usable = points_m[near], np.ones(len(near), bool)
+    if sight is not None:
+        met = sight.meet(points_m, near, plane, config.reach_m)
+        places_m = met.places_m
+        places_m[:, exposure.axis] = points_m[near, exposure.axis]
+        usable = met.faces & (met.depth_m < _usable_depth(met.depth_m, met.measured_m, sight.limit_m))
+    inner = np.abs(residuals_m) < config.reach_m
     margin_m = _margin(exposure, config.edge_m)
-    inside = exposure.contains(points_m[near], margin_m)
-    bulk = residuals_m[near[inside & inner]]
+    inside = exposure.contains(places_m, margin_m) & usable
+    bulk = residuals_m[inside & inner]
     if len(bulk) == 0:
-        return near[:0]
+        return near[:0], places_m[:0]
     sigma_m = MAD_TO_STD * float(np.median(np.abs(bulk - np.median(bulk))))
     reach_m = float(np.clip(config.reach_sigmas * sigma_m, config.reach_m, config.max_reach_m))
     # The other side of a partition is another wall: what lies nearer to it is not claimed.
     low_m = max((0.5 * (r + offset_m) for r in rivals_m if r < offset_m - _SAME_WALL_M), default=-np.inf)
     high_m = min((0.5 * (r + offset_m) for r in rivals_m if r > offset_m + _SAME_WALL_M), default=np.inf)
-    place_m = points_m[near, exposure.axis]
-    return near[inside & (np.abs(residuals_m[near]) < reach_m) & (place_m > low_m) & (place_m < high_m)]
+    across_m = places_m[:, exposure.axis]
+    keep = inside & (np.abs(residuals_m) < reach_m) & (across_m > low_m) & (across_m < high_m)
+    return near[keep], places_m[keep]
 
+
+def _usable_depth(
+    depth_m: Float[np.ndarray, " near"], measured_m: Float[np.ndarray, " near"], limit_m: float
+) -> float:
+    """Depth up to which noise does not push points over the sensor's limit, where only the near ones return.
+
+    Three standard deviations before the limit, from the points that are a little nearer.
+    """
+    if not np.isfinite(limit_m):
+        return np.inf
+    before = (depth_m > 0.8 * limit_m) & (depth_m < 0.93 * limit_m)
+    if before.sum() < _MANY:
+        return 0.93 * limit_m
+    error_m = measured_m[before] - depth_m[before]
+    return limit_m - 3.0 * MAD_TO_STD * float(np.median(np.abs(error_m - np.median(error_m))))
+
+
+_MANY = 50
+"""Points that give a spread to 15 %."""
 
 _SAME_WALL_M = 0.06
 """Parallel planes that are nearer are one wall seen in two places, as for the candidates of discovery."""

@@ -1,19 +1,30 @@
 """Cells per frame, for scans that keep the frame of every point."""
 
 import numpy as np
-from jaxtyping import Float
+from scipy.spatial.transform import Rotation
 
 from indoorfit.model import Frame, Scan, Shape
 
 from .association import AssociationConfig, associate_frames
+from .motions import RigidMotions, corrections
 from .residuals import build_cells
-from .uncertainty import Cells
+from .sight import sight_of
+from .uncertainty import Cells, PoseFieldConfig, pose_obstacle, rough_slips
 
 
 def cells_by_frame(
-    scan: Scan, frame: Frame, shape: Shape, config: AssociationConfig, pixel_m: float
+    scan: Scan,
+    frame: Frame,
+    shape: Shape,
+    config: AssociationConfig,
+    pixel_m: float,
+    pose: PoseFieldConfig,
 ) -> Cells | None:
     """Residuals per frame, plane and patch; None where the scan has no frame ids or no cell is large enough.
+
+    Twice: a frame that is off by centimetres brings points of one wall to the place of another, and takes
+    others out of its wall's reach. So the slips of a first fit are taken out before points choose their
+    planes; what is summarised are the points as they were measured.
 
     Args:
         scan: with `frame_ids`, in the order in which the frames were taken.
@@ -21,19 +32,35 @@ def cells_by_frame(
         shape: fitted.
         config: see `AssociationConfig`.
         pixel_m: resolution at which coverage is counted.
+        pose: priors of the slips.
     """
     if scan.frame_ids is None:
         return None
     ids, index = np.unique(scan.frame_ids, return_inverse=True)
-    data = associate_frames(frame.to_manhattan(scan.points_m), index, shape, config, pixel_m)
+    sight = sight_of(scan, frame)
+    centres_m = None if sight is None else sight.centres_m
+    points_m = frame.to_manhattan(scan.points_m)
+    data = associate_frames(points_m, index, shape, config, pixel_m, sight)
     if len(data.patches.plane) == 0:
         return None
-    return build_cells(data.patches, shape, _centres(scan, frame, ids))
-
-
-def _centres(scan: Scan, frame: Frame, ids: np.ndarray) -> Float[np.ndarray, "frames 3"] | None:
-    """Sensor positions in the order of the ids; None unless all are known."""
-    known = {sensor.id: sensor.position_m for sensor in scan.frames}
-    if not all(int(k) in known for k in ids):
-        return None
-    return frame.to_manhattan(np.stack([known[int(k)] for k in ids]))
+    cells = build_cells(data.patches, shape, centres_m)
+    if pose_obstacle(cells, pose) is not None:
+        return cells
+    try:
+        slips, step = rough_slips(cells, pose)
+    except np.linalg.LinAlgError:
+        return cells  # `believe` meets the same equations and says so
+    motions = corrections(slips, len(ids))
+    # The planes' normals turned by the step, so in their own axes the points turn back.
+    room = Rotation.from_rotvec(step[:3]).inv().as_matrix()
+    motions = RigidMotions(room @ motions.rotations, motions.shifts_m @ room.T)
+    data = associate_frames(
+        motions.apply(points_m, index),
+        index,
+        shape.with_offsets(shape.offsets_m + step[3:]),
+        config,
+        pixel_m,
+        None if sight is None else sight.moved(motions),
+        points_m,
+    )
+    return build_cells(data.patches, shape, centres_m)

@@ -27,6 +27,8 @@ class MeasurandPrediction:
     """With respect to the plane offsets, unit per metre."""
     type_b: TypeB = field(default_factory=TypeB)
     """Added in quadrature."""
+    inflation: float = 1.0
+    """Factor on all of it, about the value; see `BeliefConfig.inflation`."""
 
     def at(self, level: float) -> Spread:
         """Standard uncertainties, their parts, and intervals of this nominal coverage.
@@ -51,14 +53,15 @@ class MeasurandPrediction:
             scale_dof=self.type_b.scale_dof,
             level=level,
         )
+        factor = self.inflation
         return Spread(
             level=level,
-            low=expanded.low,
-            high=expanded.high,
-            std=expanded.std,
-            data_std=expanded.data_std,
-            scale_std=expanded.scale_std,
-            definition_std=expanded.definition_std,
+            low=self.values + factor * (expanded.low - self.values),
+            high=self.values + factor * (expanded.high - self.values),
+            std=factor * expanded.std,
+            data_std=factor * expanded.data_std,
+            scale_std=factor * expanded.scale_std,
+            definition_std=factor * expanded.definition_std,
             effective_dof=expanded.effective_dof,
         )
 

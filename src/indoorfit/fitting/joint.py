@@ -12,6 +12,7 @@ from indoorfit.model import Frame, Scan, Shape
 from .association import AssociationConfig, associate
 from .least_squares import solve
 from .moments import plane_moments
+from .order import unpassed
 from .patches import PatchData
 from .residuals import build_cells
 from .uncertainty import Cells
@@ -65,8 +66,24 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
         pixel_m: resolution at which coverage is counted.
 
     Returns:
-        the minimum; `converged` is False where the solver or the association did not come to rest.
+        the minimum; `converged` is False where the solver or the association did not come to rest. A plane
+        that passed another one is put back and not fitted (`unpassed`).
     """
+    fit = _alternate(scan, frame, start, config, pixel_m)
+    for _ in range(_MAX_REPAIRS):
+        repaired = unpassed(start, fit.shape, fit.data.plane_points)
+        if repaired is None:
+            return fit
+        fit = _alternate(scan, fit.frame, repaired, config, pixel_m)
+    return replace(fit, converged=False)
+
+
+_MAX_REPAIRS = 5
+"""Fits with one or more planes less; each repair leaves fewer planes that can pass another."""
+
+
+def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
+    """Rounds of association and least squares until neither moves."""
     local_m = scan.points_m - frame.origin_scan_m
     stride = max(1, len(local_m) // config.coarse_points)
     state = _State(start, frame.R_manhattan_scan)

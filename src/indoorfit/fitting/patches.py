@@ -46,6 +46,7 @@ def summarise(
     offset_m: float,
     patch_m: float,
     min_points: int,
+    coarse_m: float = 0.0,
 ) -> Patches:
     """Robust location and its variance for every patch (and frame) with enough points.
 
@@ -56,6 +57,7 @@ def summarise(
         offset_m: of the plane.
         patch_m: side of a patch.
         min_points: a patch with fewer has no robust location and is left out.
+        coarse_m: see `robust_location`.
     """
     group = _patch_numbers(claimed_m, exposure, patch_m)
     n_frames = 1
@@ -69,7 +71,7 @@ def summarise(
         if end - start < min_points:
             continue
         members = claimed_m[order[start:end]]
-        location_m, variance_m2 = robust_location(members[:, exposure.axis] - offset_m)
+        location_m, variance_m2 = robust_location(members[:, exposure.axis] - offset_m, coarse_m)
         mean_m = members.mean(axis=0)
         mean_m[exposure.axis] = offset_m + location_m
         means_m.append(mean_m)
@@ -114,27 +116,41 @@ def _patch_numbers(
 
 _TUKEY = 4.685
 """Cut-off of the biweight in standard deviations: 95 % efficient on a Gaussian."""
+_COARSE_TUKEY = 7.0
+"""The same for coarse values: 99 %, and nearly linear over the two or three steps that hold the bulk."""
 _MIN_SIGMA_M = 1e-5
 """Exact synthetic walls have no spread; a hundredth of a millimetre keeps the weights finite."""
 
 
-def robust_location(values_m: Float[np.ndarray, " points"]) -> tuple[float, float]:
+def robust_location(values_m: Float[np.ndarray, " points"], coarse_m: float = 0.0) -> tuple[float, float]:
     """Tukey biweight location of one patch, and the variance of that location.
 
     The scale is the patch's own MAD: within a patch the robustness may not choose between two layers of a
     misregistered wall, so a patch with two layers gets a wide scale and lands between them.
 
-    Source: two reweighting steps from the median; variance of an M-estimator, Huber 1981, section 6.3.
+    Depths that come in steps (7 cm at 5 m for the first Kinect) have a MAD of zero as soon as three quarters
+    of a patch share one step, and would then lose the rest: the location would jump from step to step instead
+    of lying between them. The mean deviation does not vanish so; it counts up to `coarse_m`, since it is
+    not robust.
+
+    Args:
+        values_m: at least one.
+        coarse_m: the spread that is usual on this plane; 0 to trust the patch's own MAD.
+
+    Source: reweighting steps from the median; variance of an M-estimator, Huber 1981, section 6.3.
     """
     location_m = float(np.median(values_m))
-    sigma_m = max(MAD_TO_STD * float(np.median(np.abs(values_m - location_m))), _MIN_SIGMA_M)
+    deviations_m = np.abs(values_m - location_m)
+    sigma_m = max(MAD_TO_STD * float(np.median(deviations_m)), _MIN_SIGMA_M)
+    sigma_m = max(sigma_m, min(_MEAN_DEVIATION_TO_STD * float(np.mean(deviations_m)), coarse_m))
+    cut_m = sigma_m * (_COARSE_TUKEY if coarse_m > 0.0 else _TUKEY)
     scaled = values_m
     weights = np.ones_like(values_m)
-    for _ in range(2):
-        scaled = np.square((values_m - location_m) / (_TUKEY * sigma_m))
+    for _ in range(4 if coarse_m > 0.0 else 2):
+        scaled = np.square((values_m - location_m) / cut_m)
         weights = np.square(np.maximum(1.0 - scaled, 0.0))
         location_m = float(weights @ values_m / weights.sum())
-    scaled = np.square((values_m - location_m) / (_TUKEY * sigma_m))
+    scaled = np.square((values_m - location_m) / cut_m)
     inner = scaled < 1.0
     slope = float(np.sum(((1.0 - scaled) * (1.0 - 5.0 * scaled))[inner]))
     score = float(np.sum((np.square(values_m - location_m) * np.power(1.0 - scaled, 4))[inner]))
@@ -142,3 +158,7 @@ def robust_location(values_m: Float[np.ndarray, " points"]) -> tuple[float, floa
     if slope <= 0.3 * len(values_m):
         return location_m, sigma_m**2 / len(values_m)
     return location_m, max(score / slope**2, (0.1 * sigma_m) ** 2 / len(values_m))
+
+
+_MEAN_DEVIATION_TO_STD = float(np.sqrt(np.pi / 2.0))
+"""Mean absolute deviation of a Gaussian to its standard deviation."""

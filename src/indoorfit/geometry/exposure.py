@@ -1,6 +1,6 @@
 """Which parts of a shape's planes are surface: the tree of cubes evaluated on its own grid."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -68,8 +68,15 @@ def exposures(shape: Shape) -> tuple[Exposure, ...]:
         corners_m = np.concatenate([bounds_m[cube.id] for cube in tree])
         lines_m = [np.unique(corners_m[:, axis]) for axis in range(3)]
         inside = _solid(shape, room, bounds_m, lines_m)
+        claimed: dict[tuple[int, float], Bool[np.ndarray, "nu nv"]] = {}
         for cube in tree:
-            found.update(_cube_exposures(shape, cube, bounds_m, lines_m, inside))
+            for k, exposure in _cube_exposures(shape, cube, bounds_m, lines_m, inside).items():
+                # Steps may lie over each other and end in one place: what the first has is the first's.
+                place = exposure.axis, shape.planes[k].offset_m
+                own = exposure.mask & ~claimed.get(place, np.zeros_like(exposure.mask))
+                claimed[place] = own | claimed.get(place, own)
+                # A platform's side may continue a wall: then one plane bounds two cubes.
+                found[k] = replace(exposure, mask=own | found[k].mask if k in found else own)
     return tuple(found[k] for k in range(len(shape.planes)))
 
 

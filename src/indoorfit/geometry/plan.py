@@ -64,7 +64,7 @@ class _ShapeBuilder:
         depth: int,
         z_planes: tuple[int | None, int | None],
     ) -> None:
-        box = _bounding_box(mask)
+        box = bounding_box(mask)
         sides: dict[Side, int | None] = {}
         for k, side in enumerate(_PLAN_SIDES):
             if parent_box is not None and box[k] == parent_box[k]:
@@ -79,18 +79,18 @@ class _ShapeBuilder:
         self.cubes.append(cube)
         window = np.zeros_like(mask)
         window[box[0] : box[1], box[2] : box[3]] = True
-        for missing in _components(window & ~mask):
+        for missing in components(window & ~mask):
             self._carve(missing, cube.id, box, depth + 1, (None, None))
 
 
-def _bounding_box(mask: Bool[np.ndarray, "nx ny"]) -> tuple[int, int, int, int]:
+def bounding_box(mask: Bool[np.ndarray, "nx ny"]) -> tuple[int, int, int, int]:
     """First and last-plus-one occupied index along x, then along y."""
     along_x = np.flatnonzero(mask.any(axis=1))
     along_y = np.flatnonzero(mask.any(axis=0))
     return int(along_x[0]), int(along_x[-1]) + 1, int(along_y[0]), int(along_y[-1]) + 1
 
 
-def _components(mask: Bool[np.ndarray, "nx ny"]) -> list[Bool[np.ndarray, "nx ny"]]:
+def components(mask: Bool[np.ndarray, "nx ny"]) -> list[Bool[np.ndarray, "nx ny"]]:
     """Edge-connected pieces, ordered by their first cell, so that ids are stable."""
     labels, n = ndimage.label(mask)  # pyright: ignore[reportGeneralTypeIssues]
     return [labels == k for k in range(1, n + 1)]

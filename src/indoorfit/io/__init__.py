@@ -17,4 +17,7 @@ from .ply_writer import write_ply as write_ply
 from .posed_images import read_posed_images as read_posed_images
 from .scan import read_scan as read_scan
 from .scan import scan_from_arrays as scan_from_arrays
+from .tape import read_tape as read_tape
+from .text_names import printable_name as printable_name
 from .units import Unit as Unit
+from .units import metres_per_unit as metres_per_unit

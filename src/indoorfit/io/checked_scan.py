@@ -55,7 +55,7 @@ def checked_scan(raw: RawCloud, name: str, unit: Unit) -> Scan:
     implausible = implausible_unit_note(raw.points, unit)
     if implausible is not None:
         notes.append(implausible)
-    return Scan(raw.points, raw.colours, raw.frame_ids, name=name, notes=tuple(notes))
+    return Scan(raw.points, raw.colours, raw.frame_ids, name=name, notes=tuple(notes), unit=unit)
 
 
 def _without_invalid(raw: RawCloud, name: str, unit: Unit) -> RawCloud:

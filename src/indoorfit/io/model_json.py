@@ -1,8 +1,9 @@
 """The output contract ``indoorfit.model/1``: a `FitResult` as a JSON document.
 
-Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes`` and
-``converged``, ``textures``, ``sides`` of cubes, ``side`` and ``plane`` of faces, ``room``, ``wall`` and
-``loa`` of dimensions, ``coverage_factor``, ``budget`` and ``intervals`` of quantities.
+Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes``, ``converged``,
+``adjacency`` and, where known, ``textures``, ``plane_covariance`` and ``tape``; ``sides`` of cubes, ``side``
+and ``plane`` of faces, ``room``, ``wall`` and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and
+``intervals`` of quantities.
 """
 
 import json
@@ -20,12 +21,14 @@ from ..model import (
     TEXTURE_FOLDER,
     Cube,
     Dimension,
+    Doorway,
     Face,
     FitResult,
     Interval,
     Plane,
     Quantity,
     Room,
+    TapeVerdict,
     TextureSet,
 )
 
@@ -60,12 +63,17 @@ def to_document(result: FitResult) -> dict[str, Any]:
         "planes": [_plane(plane) for plane in result.shape.planes],
         "faces": [_face(face) for face in result.faces],
         "dimensions": [_dimension(dimension) for dimension in result.dimensions],
+        "adjacency": [_doorway(doorway) for doorway in result.adjacency],
         # Left out where there are none, as in documents from before there were textures.
         **({} if result.textures is None else {"textures": _textures(result.textures)}),
         "noise": _plain(result.noise, "noise"),
         "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
         "provenance": _plain(result.provenance, "provenance"),
     }
+    if result.plane_covariance_m2 is not None:
+        document["plane_covariance"] = _numbers(result.plane_covariance_m2)
+    if result.tape is not None:
+        document["tape"] = _tape(result.tape)
     _require_finite(document, "")
     return document
 
@@ -208,6 +216,39 @@ def _textures(textures: TextureSet) -> dict[str, Any]:
             }
             for placement in textures.placements.values()
         ],
+    }
+
+
+def _doorway(doorway: Doorway) -> dict[str, Any]:
+    return {
+        "id": doorway.id,
+        "rooms": list(doorway.rooms),
+        "faces": list(doorway.faces),
+        "sill": _numbers(doorway.sill_m),
+        "width": float(doorway.width_m),
+        "evidence": list(doorway.evidence),
+    }
+
+
+def _tape(tape: TapeVerdict) -> dict[str, Any]:
+    return {
+        "source": tape.source,
+        "sha256": tape.sha256,
+        "chi2": float(tape.chi2),
+        "p_value": float(tape.p_value),
+        "checks": [
+            {
+                "dimension": check.dimension,
+                "lines": list(check.lines),
+                "value": float(check.value_m),
+                "std": float(check.std_m),
+                "deviation": float(check.deviation_m),
+                "e_n": float(check.e_n),
+                "holds": bool(check.holds),
+            }
+            for check in tape.checks
+        ],
+        "refused": [{"line": row.line, "reason": row.reason} for row in tape.refused],
     }
 
 

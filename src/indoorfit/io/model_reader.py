@@ -12,6 +12,8 @@ from ..model import (
     Cube,
     Dimension,
     DimensionKind,
+    DoorEvidence,
+    Doorway,
     Face,
     FaceClass,
     FaceKind,
@@ -24,10 +26,13 @@ from ..model import (
     Plane,
     PlaneStatus,
     Quantity,
+    RefusedRow,
     Role,
     Room,
     Shape,
     Side,
+    TapeCheck,
+    TapeVerdict,
 )
 from .checked_json import JsonNode, read_json
 from .model_json import SCHEMA_NAME
@@ -71,7 +76,38 @@ def read_model_json(path: str | Path) -> FitResult:
         notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
         provenance=root["provenance"].mapping(),
         converged=root["converged"].truth(),
+        adjacency=tuple(_doorway(node, room_ids, face_ids) for node in root["adjacency"].items()),
         textures=read_textures(root, Path(path).parent, face_ids),
+        plane_covariance_m2=_covariance(root, len(planes)),
+        tape=_tape(root["tape"]) if "tape" in root.mapping() else None,
+    )
+
+
+def _covariance(root: JsonNode, n_planes: int) -> np.ndarray | None:
+    if "plane_covariance" not in root.mapping():
+        return None
+    return root["plane_covariance"].array(n_planes, n_planes)
+
+
+def _tape(node: JsonNode) -> TapeVerdict:
+    return TapeVerdict(
+        source=node["source"].text(),
+        sha256=node["sha256"].text(),
+        checks=tuple(
+            TapeCheck(
+                dimension=check["dimension"].text(),
+                lines=tuple(line.integer(1) for line in check["lines"].items()),
+                value_m=check["value"].number(),
+                std_m=check["std"].number(),
+                deviation_m=check["deviation"].number(),
+                e_n=check["e_n"].number(),
+                holds=check["holds"].truth(),
+            )
+            for check in node["checks"].items()
+        ),
+        refused=tuple(RefusedRow(r["line"].integer(1), r["reason"].text()) for r in node["refused"].items()),
+        chi2=node["chi2"].number(),
+        p_value=node["p_value"].number(),
     )
 
 
@@ -203,6 +239,22 @@ def _all_different(node: JsonNode, ids: list[str]) -> tuple[str, ...]:
         if ids.count(text) > 1:
             item["id"].fail(f"{text!r}"[:60] + ", like another", "an id of its own")
     return tuple(ids)
+
+
+def _doorway(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, ...]) -> Doorway:
+    rooms = [_reference(room, room_ids, "room") for room in node["rooms"].items()]
+    faces = [_reference(face, face_ids, "face") for face in node["faces"].items()]
+    for key, ids in (("rooms", rooms), ("faces", faces)):
+        if len(ids) != 2:
+            node[key].fail(f"a list of {len(ids)}", "a list of 2")
+    return Doorway(
+        id=node["id"].text(),
+        rooms=(rooms[0], rooms[1]),
+        faces=(faces[0], faces[1]),
+        sill_m=node["sill"].array(3),
+        width_m=node["width"].number(),
+        evidence=tuple(item.choice(*get_args(DoorEvidence)) for item in node["evidence"].items()),
+    )
 
 
 def _reference(node: JsonNode, ids: tuple[str, ...], kind: str) -> str:

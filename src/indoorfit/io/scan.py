@@ -17,6 +17,7 @@ from .pcd import read_pcd
 from .ply import read_ply
 from .raw import RawCloud, colours_to_uint8
 from .text import looks_like_text, read_text
+from .text_names import printable_name
 from .units import Unit, metres_per_unit
 
 _READERS: dict[str, Callable[[Path], RawCloud]] = {
@@ -62,7 +63,7 @@ def read_scan(path: str | Path, *, unit: Unit = "m") -> Scan:
     except OSError as e:
         reason = e.strerror or type(e).__name__
         raise InputError(f"{path.name}: cannot be read: {reason}. Fix: check the file's permissions.") from e
-    scan = checked_scan(raw, path.name, unit)
+    scan = checked_scan(raw, printable_name(path.name), unit)
     notes = scan.notes + frame_notes(scan, frames)
     return replace(scan, frames=frames, sha256=sha256, notes=notes)
 

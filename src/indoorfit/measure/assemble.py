@@ -24,7 +24,7 @@ from indoorfit.model import (
 )
 
 from .levels import loa_classes, quantities
-from .survey import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
+from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
 
 
 @dataclass(frozen=True)

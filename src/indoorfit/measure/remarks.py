@@ -2,7 +2,7 @@
 
 from indoorfit.model import Note, Shape
 
-from .survey import Survey
+from .named import Survey
 
 
 def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:

@@ -6,88 +6,24 @@ value and a gradient over the offsets are all that the interval of a measurand n
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
 
 from indoorfit.errors import InputError
-from indoorfit.model import (
-    SIDES,
-    Cube,
-    DimensionKind,
-    FaceKind,
-    Polygon,
-    RoomSolid,
-    Shape,
-    Side,
-)
+from indoorfit.model import SIDES, Cube, FaceKind, Polygon, RoomSolid, Shape, Side
 
-from .loops import NOT_ENCLOSED, FloorLoop, floor_loops
-
-
-@dataclass(frozen=True)
-class Measurand:
-    """A quantity and its derivative with respect to every plane offset (m, m² or m³ per m)."""
-
-    value: float
-    gradient: Float[np.ndarray, " planes"]
-
-
-@dataclass(frozen=True)
-class NamedFace:
-    """A polygon with its place in the grammar."""
-
-    id: str
-    kind: FaceKind
-    room: str
-    cube: str
-    side: Side
-    polygon: Polygon
-
-
-@dataclass(frozen=True)
-class NamedDimension:
-    """The distance of two parallel faces, before anything is known of its uncertainty."""
-
-    kind: DimensionKind
-    room: str
-    faces: tuple[str, str]
-    wall: str | None
-    planes: tuple[int, int]
-    from_m: Float[np.ndarray, " 3"]
-    """Manhattan frame."""
-    to_m: Float[np.ndarray, " 3"]
-    measurand: Measurand
-
-
-@dataclass(frozen=True)
-class NamedRoom:
-    """A room with its derived quantities."""
-
-    id: str
-    cube: str
-    solid: RoomSolid
-    floor_area: Measurand
-    volume: Measurand
-    perimeter: Measurand
-
-
-@dataclass(frozen=True)
-class Survey:
-    """Everything measurable, in the order in which it is reported."""
-
-    rooms: tuple[NamedRoom, ...]
-    faces: tuple[NamedFace, ...]
-    dimensions: tuple[NamedDimension, ...]
+from .level_dimensions import heights, levels
+from .loops import FloorLoop, floor_loops
+from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey, distance
+from .plan_cells import NOT_ENCLOSED, plan_cells
 
 
 def survey(shape: Shape, solids: Sequence[RoomSolid], polygons: Sequence[Sequence[Polygon]]) -> Survey:
     """Name the faces of every room and list what can be measured between them.
 
-    Walls are numbered around the floor, counter-clockwise as seen from above, from its lowest corner.
-    Dimensions come as the thesis' table 6-1 has them: extents along x, y and z first, then the walls.
+    Walls are numbered around the plan, counter-clockwise as seen from above, from its lowest corner; upright
+    faces between two levels are steps, not walls. Dimensions come as the thesis' table 6-1 has them: extents
+    along x, y and z first, then the walls; last what the levels of floor and ceiling add.
 
     Args:
         shape: the grammar.
@@ -99,11 +35,15 @@ def survey(shape: Shape, solids: Sequence[RoomSolid], polygons: Sequence[Sequenc
     dimensions: list[NamedDimension] = []
     for number, (cube, solid, pieces) in enumerate(zip(shape.rooms, solids, polygons, strict=True), start=1):
         room = f"room-{number}"
-        loops = floor_loops(shape, pieces)
+        cells = plan_cells(shape, pieces)
+        loops = floor_loops(shape, pieces, cells)
         named = _name_faces(shape, room, pieces, loops, faces)
         faces += named
-        dimensions += _overall(shape, cube, room, named)
-        dimensions += _walls(shape, room, named, loops)
+        by_polygon = {id(face.polygon): face for face in named}
+        in_order = [by_polygon[id(piece)] for piece in pieces]
+        main, *others = heights(shape, room, in_order, cells)
+        plan = [*_overall(shape, cube, room, named), main, *_walls(shape, room, named, loops)]
+        dimensions += [*plan, *others, *levels(shape, room, in_order, cells, plan)]
         rooms.append(_room(shape, cube, room, solid, pieces, loops))
     return Survey(tuple(rooms), tuple(faces), tuple(dimensions))
 
@@ -115,16 +55,19 @@ def _name_faces(
     loops: Sequence[FloorLoop],
     before: Sequence[NamedFace],
 ) -> list[NamedFace]:
-    walls = [edge.wall for loop in loops for edge in loop.edges]
+    # A wall around an alcove may meet the plan twice.
+    walls = list({id(edge.wall): edge.wall for loop in loops for edge in loop.edges}.values())
     ordered: list[tuple[Polygon, FaceKind]] = [(piece, "wall") for piece in walls]
     level: tuple[FaceKind, ...] = ("floor", "ceiling")
     for kind in level:
         for piece in pieces:
             if shape.planes[piece.plane].face_class == kind:
                 ordered.append((piece, kind))
-    owners: dict[int, tuple[Cube, Side]] = {}
-    for cube in shape.cubes:
-        owners.update({plane: (cube, side) for side, plane in cube.sides.items() if plane is not None})
+    known = {id(piece) for piece, _ in ordered}
+    owners = _owners(shape)
+    for piece in pieces:
+        if id(piece) not in known:
+            ordered.append((piece, "step" if owners[piece.plane][0].id in _level_cubes(shape) else "wall"))
     counts = Counter(face.kind for face in before)
     named = []
     for piece, kind in ordered:
@@ -134,38 +77,40 @@ def _name_faces(
     return named
 
 
-def _difference(shape: Shape, low: int, high: int) -> Measurand:
-    gradient = np.zeros(len(shape.planes))
-    gradient[high] += 1.0
-    gradient[low] -= 1.0
-    return Measurand(shape.planes[high].offset_m - shape.planes[low].offset_m, gradient)
+def _owners(shape: Shape) -> dict[int, tuple[Cube, Side]]:
+    """The cube that has each plane for a side; of several, the first: the others only continue it."""
+    owners: dict[int, tuple[Cube, Side]] = {}
+    for cube in shape.cubes:
+        for side, plane in cube.sides.items():
+            if plane is not None:
+                owners.setdefault(plane, (cube, side))
+    return owners
+
+
+def _level_cubes(shape: Shape) -> set[str]:
+    """Steps, platforms and beams, and all that is taken away from them."""
+    found: set[str] = set()
+    for cube in shape.cubes:
+        if cube.role in ("step", "platform", "beam") or cube.parent in found:
+            found.add(cube.id)
+    return found
 
 
 def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) -> list[NamedDimension]:
-    """Extents of the room's cube along x and y, and its height."""
+    """Extents of the room's cube along x and y."""
     found = []
-    for axis in range(3):
-        kind: DimensionKind = "overall" if axis < 2 else "height"
+    for axis in range(2):
         low, high = cube.sides[SIDES[2 * axis]], cube.sides[SIDES[2 * axis + 1]]
         assert low is not None, "a room has no open side"
         assert high is not None, "a room has no open side"
         ends = [_first_face(faces, plane) for plane in (low, high)]
         # Measured from the middle of the face at the lower end.
-        from_m = ends[0].polygon.rings_m[0].mean(axis=0) if axis < 2 else _inner_point(ends[0].polygon)
+        from_m = ends[0].polygon.rings_m[0].mean(axis=0)
         to_m = from_m.copy()
         to_m[axis] = shape.planes[high].offset_m
-        found.append(
-            NamedDimension(
-                kind=kind,
-                room=room,
-                faces=(ends[0].id, ends[1].id),
-                wall=None,
-                planes=(low, high),
-                from_m=from_m,
-                to_m=to_m,
-                measurand=_difference(shape, low, high),
-            )
-        )
+        names = (ends[0].id, ends[1].id)
+        measured = distance(shape, low, high)
+        found.append(NamedDimension("overall", room, names, None, (low, high), from_m, to_m, measured))
     return found
 
 
@@ -174,31 +119,6 @@ def _first_face(faces: Sequence[NamedFace], plane: int) -> NamedFace:
         if face.polygon.plane == plane:
             return face
     raise InputError(NOT_ENCLOSED)
-
-
-def _inner_point(polygon: Polygon) -> Float[np.ndarray, " 3"]:
-    """A point of a level polygon away from its edges: the middle of the widest cell of its own grid."""
-    ring = polygon.rings_m[0]
-    best, widest = ring.mean(axis=0), -1.0
-    xs, ys = np.unique(ring[:, 0]), np.unique(ring[:, 1])
-    for x0, x1 in pairwise(xs):
-        for y0, y1 in pairwise(ys):
-            middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2, ring[0, 2]])
-            width = min(x1 - x0, y1 - y0)
-            if width > widest and _encloses(polygon, middle):
-                best, widest = middle, width
-    return best
-
-
-def _encloses(polygon: Polygon, point_m: Float[np.ndarray, " 3"]) -> bool:
-    """Even-odd rule over all rings, in plan."""
-    inside = False
-    for ring in polygon.rings_m:
-        following = np.roll(ring, -1, axis=0)
-        straddles = (ring[:, 1] > point_m[1]) != (following[:, 1] > point_m[1])
-        # Rings are rectilinear: an edge that straddles the height is upright at one x.
-        inside ^= bool(np.sum(straddles & (ring[:, 0] > point_m[0])) % 2)
-    return inside
 
 
 def _walls(
@@ -226,7 +146,7 @@ def _walls(
                     planes,
                     from_m,
                     to_m,
-                    _difference(shape, *planes),
+                    distance(shape, *planes),
                 )
             )
     return found

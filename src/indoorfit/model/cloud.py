@@ -40,6 +40,8 @@ class Scan:
     """Digest of the source file's bytes; None for arrays."""
     notes: tuple[Note, ...] = field(default=())
     """What the reader had to say: dropped points, missing colours, implausible units."""
+    unit: str = "m"
+    """Unit of the source's coordinates, from which the points were converted to metres."""
 
     @property
     def n_points(self) -> int:

@@ -17,8 +17,10 @@ Side = Literal["-x", "+x", "-y", "+y", "-z", "+z"]
 
 SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y", "-z", "+z")
 
-Role = Literal["room", "notch", "pillar", "step", "beam", "opening", "part"]
-"""What a cube stands for. A `part` is a nested cube: taken away from a notch, hence room again."""
+Role = Literal["room", "notch", "pillar", "step", "platform", "beam", "opening", "part"]
+"""What a cube stands for. A `part` is a nested cube: taken away from a notch, hence room again.
+Cubes with one free z-face: a `beam` hangs from the ceiling between two sides of its own, a `platform`
+stands on the floor with two or more, and a `step` is a level of floor or ceiling that ends at walls."""
 
 PlaneStatus = Literal["observed", "inferred"]
 

@@ -9,16 +9,28 @@ from jaxtyping import Float
 
 from .grammar import FaceClass, PlaneStatus, Shape, Side
 from .notes import Note
+from .registration import FrameMotion
 from .spread import Prediction
+from .tape import TapeVerdict
 from .texture import TextureSet
 
 Method = Literal["joint", "greedy", "truth"]
 """How the numbers came about; `truth` marks the exact model of a simulated scan."""
 
-FaceKind = Literal["wall", "floor", "ceiling"]
-DimensionKind = Literal["wall", "height", "overall"]
+FaceKind = Literal["wall", "floor", "ceiling", "step"]
+"""A `step` is an upright face between two levels: the side of a beam, a platform or a lowered ceiling."""
+
+DimensionKind = Literal["wall", "height", "overall", "step", "width", "thickness"]
+"""`wall`: the clear length of a wall; `overall`: the extents of a room; `height`: from a floor to the ceiling
+above it, the main levels first; `step`: from the main level of floor or ceiling to another; `width`: the
+extents of a floor or ceiling at another level; `thickness`: of a wall between two rooms."""
+
 LoaClass = Literal["LOA10", "LOA20", "LOA30", "LOA40", "LOA50"]
 """Level of Accuracy (USIBD C120): LOA10 is the coarsest, LOA50 the finest."""
+
+DoorEvidence = Literal["holes", "floor", "reveal", "truth"]
+"""`holes`: both faces of the wall lack points at the same place. `floor`: floor lies between the faces.
+`reveal`: jambs or a lintel lie between them. `truth`: the scene was built with it."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +177,23 @@ class RoomMesh:
 
 
 @dataclass(frozen=True)
+class Doorway:
+    """An open passage through the wall between two rooms."""
+
+    id: str
+    """``door-1``, ``door-2``, ..."""
+    rooms: tuple[str, str]
+    faces: tuple[str, str]
+    """The wall face on either side, in the order of `rooms`."""
+    sill_m: Float[np.ndarray, " 3"]
+    """Scan frame: the middle of the opening, in the middle of the wall, at the height of the floor."""
+    width_m: float
+    """Clear width, approximate: to the nearest points of the wall."""
+    evidence: tuple[DoorEvidence, ...]
+    """What speaks for it."""
+
+
+@dataclass(frozen=True)
 class FitResult:
     """Everything that one run found. Immutable; `io.write_model_json` is its lossless form."""
 
@@ -184,9 +213,18 @@ class FitResult:
     """False where the fit hit its step limit or a room could not be closed (exit code 3)."""
     textures: TextureSet | None = None
     """Images on the faces; None where there are no colours, or none were wanted."""
+    adjacency: tuple[Doorway, ...] = ()
+    """Doorways between the rooms."""
     prediction: Prediction | None = field(default=None, repr=False, compare=False)
     """Intervals at any level, for dimensions, rooms and plane offsets in the order of `measure.measurands`;
     None for a result that was read from a file."""
+    registration: tuple[FrameMotion, ...] = ()
+    """How to move each frame of the scan, where frame ids showed it. About the scan and not about the room:
+    the one field that ``model.json`` leaves out."""
+    plane_covariance_m2: Float[np.ndarray, "planes planes"] | None = None
+    """Of the offsets of the shape's planes: how lengths that share a wall err together; or None."""
+    tape: TapeVerdict | None = None
+    """How the lengths compare with readings of a tape or laser meter, where some were given."""
 
     def face(self, face_id: str) -> Face:
         """The face with this id; KeyError if there is none."""

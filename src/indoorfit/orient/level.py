@@ -26,7 +26,11 @@ class OrientConfig:
 
 
 def orient(
-    surfels: Surfels, origin_m: Float[np.ndarray, " 3"], config: OrientConfig, rng: np.random.Generator
+    surfels: Surfels,
+    origin_m: Float[np.ndarray, " 3"],
+    config: OrientConfig,
+    rng: np.random.Generator,
+    yaw_rad: float | None = None,
 ) -> tuple[Frame, tuple[Note, ...]]:
     """Find gravity and the direction of the walls.
 
@@ -35,6 +39,8 @@ def orient(
         origin_m: the cloud's centroid, scan frame; becomes the frame's origin.
         config: see `OrientConfig`.
         rng: for the proposals of directions.
+        yaw_rad: direction of the frame's x axis, from the scan's x (y where x is up), counter-clockwise seen
+            from above; None for the direction of the walls.
 
     Returns:
         the frame, x as near to the scan's x as the walls allow, z up; and what was uncertain.
@@ -51,6 +57,8 @@ def orient(
     single_view = is_single_view(surfels.positions_m + origin_m)
     choice = choose_up(triad, surfels.positions_m, surfels.normals, config.up, single_view)
     rotation = _manhattan_axes(triad, choice.direction)
+    if yaw_rad is not None:
+        rotation = _turned_to(choice.direction, yaw_rad)
     return Frame(rotation, origin_m), _notes(choice, config)
 
 
@@ -65,10 +73,22 @@ def _manhattan_axes(triad: Float[np.ndarray, "3 3"], up: Float[np.ndarray, " 3"]
     """Rows x, y, z of the Manhattan frame in scan axes; of the four turns the one that turns least."""
     level = triad[np.abs(triad @ up) < 0.5]
     candidates = np.concatenate([level, -level])
-    # The scan's own x tells which way is x; where up is along it, the scan's y does.
-    reference = named_direction("x") if abs(up[0]) < 0.7 else named_direction("y")
-    x_axis = candidates[np.argmax(candidates @ reference)]
+    x_axis = candidates[np.argmax(candidates @ _reference(up))]
     return np.stack([x_axis, np.cross(up, x_axis), up])
+
+
+def _turned_to(up: Float[np.ndarray, " 3"], yaw_rad: float) -> Float[np.ndarray, "3 3"]:
+    """Rows x, y, z of the frame whose x axis is turned by a given angle from the scan's."""
+    reference = _reference(up)
+    ahead = reference - (reference @ up) * up
+    ahead /= np.linalg.norm(ahead)
+    x_axis = np.cos(yaw_rad) * ahead + np.sin(yaw_rad) * np.cross(up, ahead)
+    return np.stack([x_axis, np.cross(up, x_axis), up])
+
+
+def _reference(up: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
+    """The scan's own x tells which way is x; where up is along it, the scan's y does."""
+    return named_direction("x") if abs(up[0]) < 0.7 else named_direction("y")
 
 
 def _notes(choice: UpChoice, config: OrientConfig) -> tuple[Note, ...]:

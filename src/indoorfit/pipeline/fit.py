@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from indoorfit.classify import classify
 from indoorfit.config import RunConfig
 from indoorfit.discover import discover
 from indoorfit.fitting import (
@@ -23,28 +22,36 @@ from indoorfit.fitting import (
     cells_by_frame,
     fit_greedy,
     fit_joint,
+    frame_motions,
     honesty_notes,
+    plane_covariance,
     type_b_of,
 )
-from indoorfit.measure import PlaneEvidence, Survey, Verdict, assemble, face_notes, measurands, survey
+from indoorfit.measure import (
+    PlaneEvidence,
+    Survey,
+    Verdict,
+    assemble,
+    face_notes,
+    find_doors,
+    measurands,
+    survey,
+    with_thicknesses,
+)
 from indoorfit.model import (
-    FaceClass,
     FitResult,
     Frame,
     Note,
     Pictures,
+    RoomSolid,
     Scan,
-    Segments,
     Shape,
-    Surfels,
-    VoxelCloud,
 )
-from indoorfit.orient import orient
-from indoorfit.segment import grow_surfaces
 from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
-from indoorfit.thin import surfels, thin
 
+from .front import FrontEnd, front_end
+from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
 
 log = logging.getLogger("indoorfit")
@@ -70,7 +77,8 @@ def fit_scan(scan: Scan, config: RunConfig | None = None, pictures: Pictures = _
     """
     # The matrices are small: with more than one BLAS thread waking them takes most of the time.
     with threadpool_limits(1, "blas"):
-        config, watch = config or RunConfig(), Stopwatch()
+        scan, config = overridden(scan, config or RunConfig())
+        watch = Stopwatch()
         return _textured(_run(scan, config, watch), scan, pictures, config, watch)
 
 
@@ -88,19 +96,9 @@ def _textured(
 
 def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> FitResult:
     rng = np.random.default_rng(config.seed)
-    with watch.stage("thin"):
-        voxels = thin(scan, config.thin)
-        local = surfels(voxels, config.surfels)
-    log.info("thin: %d points in %d voxels of %.1f cm", scan.n_points, voxels.n_voxels, 100 * voxels.voxel_m)
-    with watch.stage("orient"):
-        frame, orient_notes = orient(local, voxels.origin_m, config.orient, rng)
-        local = _turned(local, frame)
-    with watch.stage("segment"):
-        segments = grow_surfaces(local, config.segment)
-        classes = classify(segments, config.classify)
-    log.info("segment: %d surfaces", segments.n_segments)
-    fitted = _fit(scan, frame, voxels, local, segments, classes, config, rng, watch)
-    return _measure(scan, fitted, (*scan.notes, *orient_notes), config, rng, watch)
+    front = front_end(scan, config, rng, watch)
+    fitted = _fit(scan, front, config, rng, watch)
+    return _measure(scan, fitted, (*scan.notes, *front.notes), config, rng, watch)
 
 
 @dataclass(frozen=True)
@@ -117,35 +115,23 @@ class _Fitted:
     converged: bool
 
 
-def _turned(local: Surfels, frame: Frame) -> Surfels:
-    """Surfels from the scan's axes to the Manhattan frame."""
-    rotation = frame.R_manhattan_scan.T
-    return replace(local, positions_m=local.positions_m @ rotation, normals=local.normals @ rotation)
-
-
 def _fit(
-    scan: Scan,
-    frame: Frame,
-    voxels: VoxelCloud,
-    local: Surfels,
-    segments: Segments,
-    classes: tuple[FaceClass | None, ...],
-    config: RunConfig,
-    rng: np.random.Generator,
-    watch: Stopwatch,
+    scan: Scan, front: FrontEnd, config: RunConfig, rng: np.random.Generator, watch: Stopwatch
 ) -> _Fitted:
+    frame, local, segments, classes = front.frame, front.surfels, front.segments, front.classes
     # Four surfels a square on average: the finest raster in which a full surface has no holes.
     pixel_m = 2.0 * float(np.sqrt(local.area_m2))
     if config.method == "greedy":
         with watch.stage("fit"):
-            point_surfel = voxels.point_voxel
+            point_surfel = front.point_surfel
             greedy = fit_greedy(scan, frame, local, segments, classes, point_surfel, config.greedy, rng)
             shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
     else:
         with watch.stage("discover"):
-            start, notes = discover(local, segments, classes, config.discover)
+            said = plan_overrides(config.overrides, frame)
+            start, notes = discover(local, segments, classes, config.discover, said)
         log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
         with watch.stage("fit"):
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)
@@ -155,7 +141,9 @@ def _fit(
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
-            frame_cells = cells_by_frame(scan, frame, shape, config.joint.association, pixel_m)
+            frame_cells = cells_by_frame(
+                scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
+            )
     return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)
 
 
@@ -182,18 +170,20 @@ def _measure(
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
-        solids = [subtract_cubes(shape, room) for room in shape.rooms]
-        found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+        solids, found = _surveyed(shape)
+        in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
+        doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
         wanted = measurands(found, len(shape.planes))
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
-        prediction = MeasurandPrediction(belief, values, gradients, type_b)
+        prediction = MeasurandPrediction(belief, values, gradients, type_b, config.belief.inflation)
+        covariance_m2 = plane_covariance(belief, config.belief.inflation)
     with watch.stage("honesty"):
         doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
     data = fitted.data
-    return assemble(
+    result = assemble(
         shape,
         belief.frame,
         found,
@@ -215,6 +205,18 @@ def _measure(
             converged=closed and fitted.converged,
         ),
     )
+    result = replace(result, adjacency=doors, plane_covariance_m2=covariance_m2)
+    if belief.slips is None or scan.frame_ids is None:
+        return result
+    motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)
+    return replace(result, registration=motions)
+
+
+def _surveyed(shape: Shape) -> tuple[list[RoomSolid], Survey]:
+    """The solid of every room, and all that can be measured on and between them."""
+    solids = [subtract_cubes(shape, room) for room in shape.rooms]
+    found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+    return solids, with_thicknesses(shape, found)
 
 
 def _honest(

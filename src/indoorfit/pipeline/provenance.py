@@ -33,7 +33,12 @@ def provenance(scan: Scan, config: RunConfig, watch: Stopwatch) -> dict[str, Any
     """The contract's provenance block; timings are the only part that differs between equal runs."""
     return {
         "version": package_version(),
-        "input": {"name": scan.name, "sha256": scan.sha256, "points": scan.n_points},
+        "input": {
+            "name": scan.name,
+            "sha256": scan.sha256,
+            "points": scan.n_points,
+            "unit": scan.unit,
+        },
         "config": config_to_dict(config),
         "seed": config.seed,
         "timings_s": timings_s(watch),

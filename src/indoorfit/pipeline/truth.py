@@ -1,18 +1,26 @@
 """The exact model of a simulated scan, in the same contract as a fitted one."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from indoorfit.measure import ExactPrediction, PlaneEvidence, Survey, Verdict, assemble, measurands, survey
-from indoorfit.measure.survey import NamedFace
-from indoorfit.model import Cube, FitResult, Frame, Note, Polygon, Shape, Side
+from indoorfit.measure import (
+    ExactPrediction,
+    PlaneEvidence,
+    Survey,
+    Verdict,
+    assemble,
+    measurands,
+    survey,
+    with_thicknesses,
+)
+from indoorfit.model import FitResult, Frame, Note, Shape
 from indoorfit.simulate import VirtualScan, cut_planes, seen_of_planes
 from indoorfit.solid import face_polygons, subtract_cubes
 
 from .provenance import package_version
+from .true_doors import true_doors
 
 _LEVEL = 0.95
 """Intervals without width hold the truth at every level; the contract asks for one below 1."""
@@ -41,10 +49,10 @@ def truth_result(
         )
         shape = replace(shape, planes=planes)
     solids = [subtract_cubes(shape, room) for room in shape.rooms]
-    polygons = [face_polygons(solid) for solid in solids]
-    found = _every_face_once(survey(shape, solids, polygons), shape, polygons)
+    found = survey(shape, solids, [face_polygons(solid) for solid in solids])
+    found = with_thicknesses(shape, found)
     values = np.array([measurand.value for measurand in measurands(found, n)])
-    return assemble(
+    result = assemble(
         shape,
         frame,
         found,
@@ -59,37 +67,9 @@ def truth_result(
             converged=True,
         ),
     )
-
-
-def _every_face_once(found: Survey, shape: Shape, polygons: Sequence[Sequence[Polygon]]) -> Survey:
-    """Name the faces that stand on no floor (beams, edges of lowered ceilings), and none of them twice.
-
-    A survey goes around each floor. With steps there are several floors in a room, which share walls.
-    """
-    first: dict[int, NamedFace] = {}
-    same: dict[str, str] = {}
-    for face in found.faces:
-        same[face.id] = first.setdefault(id(face.polygon), face).id
-    faces = list(first.values())
-    owners: dict[int, tuple[Cube, Side]] = {}
-    for cube in shape.cubes:
-        owners.update({plane: (cube, side) for side, plane in cube.sides.items() if plane is not None})
-    n_walls = sum(face.kind == "wall" for face in found.faces)
-    for room, pieces in zip(found.rooms, polygons, strict=True):
-        for piece in pieces:
-            if id(piece) not in first:
-                n_walls += 1
-                cube, side = owners[piece.plane]
-                faces.append(NamedFace(f"wall-{n_walls}", "wall", room.id, cube.id, side, piece))
-    dimensions = tuple(
-        replace(
-            dimension,
-            faces=(same[dimension.faces[0]], same[dimension.faces[1]]),
-            wall=None if dimension.wall is None else same[dimension.wall],
-        )
-        for dimension in found.dimensions
-    )
-    return replace(found, faces=tuple(faces), dimensions=dimensions)
+    if seen is None or seen.scene is None:
+        return result
+    return replace(result, adjacency=true_doors(seen.scene, shape, frame, found))
 
 
 def _unseen(shape: Shape, found: Survey) -> tuple[Note, ...]:

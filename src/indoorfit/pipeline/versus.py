@@ -23,7 +23,7 @@ class Versus:
 
 
 def fit_both(scan: Scan, config: RunConfig | None = None) -> Versus:
-    """Fit a scan jointly and greedily, with the same settings otherwise.
+    """Fit a scan jointly and greedily, with the same settings otherwise, and without textures.
 
     Args:
         scan: metres, any pose.
@@ -33,6 +33,8 @@ def fit_both(scan: Scan, config: RunConfig | None = None) -> Versus:
         InputError: neither way finds a room; the message is that of the joint fit.
     """
     config = config or RunConfig()
+    # A comparison of numbers; painting would take longer than the rest.
+    config = replace(config, texture=replace(config.texture, enabled=False))
     results: dict[Method, FitResult] = {}
     refusals: dict[Method, str] = {}
     methods: tuple[Method, ...] = ("joint", "greedy")

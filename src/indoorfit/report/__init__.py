@@ -1,7 +1,17 @@
 """What people see: plan, tables, page and picture."""
 
+from .display import Item as Item
+from .display import Label as Label
+from .display import Picture as Picture
+from .display import Region as Region
+from .display import Stroke as Stroke
 from .dxf import to_dxf as to_dxf
+from .explain_picture import explain_picture as explain_picture
+from .explain_text import explain_document as explain_document
+from .explain_text import explain_table as explain_table
 from .layout import UNIT_MM as UNIT_MM
+from .markup import html_page as html_page
+from .markup import html_table as html_table
 from .page import report_html as report_html
 from .pdf import to_pdf as to_pdf
 from .plan import plan_picture as plan_picture
@@ -17,6 +27,7 @@ from .sheet import plan_layout as plan_layout
 from .sheet import plan_sheet as plan_sheet
 from .svg import to_svg as to_svg
 from .table import dimension_table as dimension_table
+from .tape_template import tape_template as tape_template
 from .versus import versus_document as versus_document
 from .versus import versus_table as versus_table
 from .versus_picture import versus_picture as versus_picture

@@ -73,7 +73,7 @@ def spans_of(result: FitResult, outline: Outline) -> list[Span]:
     """All distances that a plan can show, walls before overall extents, roomy ones first."""
     groups: dict[tuple[str, str], list[Dimension]] = {}
     for dimension in result.dimensions:
-        if dimension.kind != "height":
+        if dimension.kind not in ("height", "step"):
             groups.setdefault(dimension.faces, []).append(dimension)
     spans = [span for group in groups.values() if (span := _span(group, outline)) is not None]
     # Texts that fit their span have one good place; the short ones can go around them.

@@ -7,6 +7,7 @@ from indoorfit.model import FitResult, Room
 
 from .arrows import INFERRED, TEXT
 from .display import Item, Label, Region, Stroke
+from .doorways import doorway_text
 from .facts import input_name, level_text
 from .lettering import text_width
 
@@ -51,13 +52,16 @@ def caption(
         text = f"Scale 1:{denominator} when printed without fitting to the page"
         items.append(Label(text, (0.0, y), 11.5, TEXT, "start"))
         y += _ROW
-    for line in [*(_room_line(result, room) for room in result.rooms), *_cramped_lines(cramped, width)]:
+    rooms = [line for room in result.rooms for line in _room_lines(result, room)]
+    doors = [doorway_text(doorway) for doorway in result.adjacency]
+    for line in [*rooms, *doors, *_cramped_lines(cramped, width)]:
         items.append(Label(line, (0.0, y), 11.5, TEXT, "start"))
         y += _ROW
     return items, y - 0.5 * _ROW
 
 
-def _room_line(result: FitResult, room: Room) -> str:
+def _room_lines(result: FitResult, room: Room) -> list[str]:
+    """Area, volume, perimeter and height; of a room with several levels their heights in a second line."""
     parts = [
         f"{name} {(text := quantity_text(quantity, 2, 3)).value} {text.spread} {unit}"
         for name, quantity, unit in (
@@ -66,9 +70,10 @@ def _room_line(result: FitResult, room: Room) -> str:
             ("perimeter", room.perimeter, "m"),
         )
     ]
-    heights = [d for d in result.dimensions if d.kind == "height" and d.room == room.id]
-    parts += [f"height ({d.id}) {(t := quantity_text(d.quantity)).value} {t.spread} m" for d in heights]
-    return f"{room.id}:  " + "  ·  ".join(parts)
+    upright = [d for d in result.dimensions if d.kind in ("height", "step") and d.room == room.id]
+    heights = [f"{d.kind} ({d.id}) {(t := quantity_text(d.quantity)).value} {t.spread} m" for d in upright]
+    lines = [[*parts, *heights]] if len(heights) == 1 else [parts, heights]
+    return [f"{room.id}:  " + "  ·  ".join(line) for line in lines]
 
 
 def _cramped_lines(cramped: list[str], width: float) -> list[str]:
@@ -116,10 +121,15 @@ def _axes(corner: np.ndarray) -> list[Item]:
 def _legend(result: FitResult, corner: np.ndarray) -> list[Item]:
     line = np.array([[0.0, 0.0], [30.0, 0.0]])
     items: list[Item] = []
-    kinds = [("wall face as measured", _LINE, None), ("inferred: no points on it", INFERRED, (8.0, 5.0))]
-    some_inferred = any(face.status == "inferred" for face in result.faces)
-    for k, (text, colour, dash) in enumerate(kinds if some_inferred else kinds[:1]):
+    kinds: list[tuple[str, str, float, tuple[float, float] | None]] = [
+        ("wall face as measured", _LINE, 2.0, None)
+    ]
+    if any(face.status == "inferred" for face in result.faces):
+        kinds.append(("inferred: no points on it", INFERRED, 2.0, (8.0, 5.0)))
+    if any(face.kind == "step" for face in result.faces):
+        kinds.append(("side of a step (dashed: overhead)", _LINE, 1.0, None))
+    for k, (text, colour, width, dash) in enumerate(kinds):
         at = corner + np.array([0.0, 9.0 + k * 18.0])
-        items.append(Stroke(line + at, colour, 2.0, dash))
+        items.append(Stroke(line + at, colour, width, dash))
         items.append(Label(text, (float(at[0]) + 38.0, float(at[1])), 10.5, _QUIET, "start"))
     return items

@@ -1,10 +1,9 @@
 """The dimensions as a table of the page."""
 
 import math
-from collections.abc import Mapping
 
 from indoorfit.export import quantity_text
-from indoorfit.model import Dimension, FitResult, Quantity
+from indoorfit.model import FitResult, Quantity
 
 from .facts import level_text
 from .html_table import Cell, Row, html_table
@@ -18,20 +17,11 @@ _NOTE = (
     "LOA40 1 to 5 mm, LOA50 below 1 mm; LOA10 is worse than 50 mm. An inferred dimension ends at a face "
     "without points.</p>"
 )
-_TAPE_NOTE = (
-    '<p class="quiet">Deviation is the model minus the tape. Where the tape lies outside the interval, the '
-    "cell says so; a tape has an error of its own.</p>"
-)
 
 
-def dimension_section(result: FitResult, tape_m: Mapping[str, float]) -> str:
-    """Heading, table and explanation; columns for the tape only where something was measured by it.
-
-    Args:
-        result: whose dimensions.
-        tape_m: by dimension id, the length that was measured by hand.
-    """
-    several, with_tape = len(result.rooms) > 1, any(d.id in tape_m for d in result.dimensions)
+def dimension_section(result: FitResult) -> str:
+    """Heading, table and explanation."""
+    several = len(result.rooms) > 1
     rows = [
         Row(
             (
@@ -40,22 +30,19 @@ def dimension_section(result: FitResult, tape_m: Mapping[str, float]) -> str:
                 *number_cells(d.quantity, 3, 4),
                 Cell(d.loa or ""),
                 Cell(d.status, d.status),
-                *(_tape_cells(d, tape_m.get(d.id)) if with_tape else ()),
                 *_budget_cells(d.quantity),
             ),
             pick=d.id,
         )
         for d in result.dimensions
     ]
-    tape = ("Tape, m", "Deviation, mm") if with_tape else ()
     budget = ("u scan, mm", "u scale, mm", "u definition, mm", "k", "Degrees of freedom")
     head = (
         "Id", "What", Cell("Value, m", "number"), interval_head(result.level, "m"), "Accuracy", "Status",
-        *(Cell(title, "number") for title in (*tape, *budget)),
+        *(Cell(title, "number") for title in budget),
     )  # fmt: skip
     table = html_table(head, rows, "Dimensions with their intervals", sortable=True)
-    note = _NOTE + (_TAPE_NOTE if with_tape else "")
-    return f'<section id="dimensions"><h2>Dimensions</h2>\n{table}\n{note}</section>'
+    return f'<section id="dimensions"><h2>Dimensions</h2>\n{table}\n{_NOTE}</section>'
 
 
 def interval_head(level: float, unit: str) -> Cell:
@@ -73,18 +60,6 @@ def number_cells(quantity: Quantity, min_decimals: int, max_decimals: int) -> tu
         Cell(text.value, "number", sort=round(quantity.value, 9)),
         Cell(text.spread, "number", sort=width, copied=ends),
     )
-
-
-def _tape_cells(dimension: Dimension, tape_m: float | None) -> tuple[Cell, Cell]:
-    if tape_m is None:
-        return Cell("", "number"), Cell("", "number")
-    off_mm = 1e3 * (dimension.quantity.value - tape_m)
-    interval = dimension.quantity.interval
-    outside = not interval.low <= tape_m <= interval.high
-    text = f"{off_mm:+.1f}" + (" outside" if outside else "")
-    look = "number inferred" if outside else "number"
-    tape = Cell(f"{tape_m:.3f}", "number", sort=tape_m)
-    return tape, Cell(text, look, sort=round(off_mm, 6), copied=f"{off_mm:.1f}")
 
 
 def _budget_cells(quantity: Quantity) -> tuple[Cell, ...]:

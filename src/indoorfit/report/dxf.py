@@ -26,6 +26,7 @@ _STYLE = "INDOORFIT"
 _LAYERS = {
     "WALLS": 7,
     "WALLS_INFERRED": 30,
+    "STEPS": 8,
     "FLOORS": 8,
     "CEILINGS": 9,
     "DIMENSIONS": 150,
@@ -118,7 +119,7 @@ class _Drawing:
         return text.getvalue().encode("utf-8", "surrogateescape")
 
     def outline(self, result: FitResult) -> None:
-        """Floors and ceilings as closed polylines, and over them walls as lines."""
+        """Floors and ceilings as closed polylines, and over them walls and sides of levels as lines."""
         for face in result.faces:
             if face.kind in ("floor", "ceiling"):
                 layer = "FLOORS" if face.kind == "floor" else "CEILINGS"
@@ -129,7 +130,7 @@ class _Drawing:
             wall = self._layout.outline.wall(face.id)
             if wall is not None:
                 start, end = self._to_model(wall.points()).tolist()
-                layer = "WALLS_INFERRED" if wall.inferred else "WALLS"
+                layer = "WALLS_INFERRED" if wall.inferred else "WALLS" if wall.overhead is None else "STEPS"
                 line = self._space.add_line(start, end, dxfattribs={"layer": layer})
                 _attach(line, "face", face_facts(face))
 

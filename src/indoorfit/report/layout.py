@@ -39,7 +39,7 @@ def lay_out(result: FitResult, denominator: int | None = None) -> Layout:
     scale = None if denominator is None else 1000.0 / denominator / UNIT_MM
     outline = outline_of(result, scale)
     board = Board()
-    board.add("wall", [wall.box() for wall in outline.walls])
+    board.add("wall", [wall.box() for wall in (*outline.walls, *outline.steps)])
     # Names of short walls come last: with a leader they can stand anywhere.
     names = [*name_rooms(result, outline, board), *name_walls(outline, board, short=False)]
     placements, cramped = place_spans(spans_of(result, outline), outline, board)

@@ -82,7 +82,7 @@ def name_walls(outline: Outline, board: Board, short: bool) -> Iterator[Item]:
         board: what is taken; the names are added.
         short: name the walls that are hardly longer than their name, or the others.
     """
-    for wall in outline.walls:
+    for wall in (*outline.walls, *outline.steps):
         text = f"{wall.id} inferred" if wall.inferred else wall.id
         if short != (1.6 * text_width(text, _WALL_SIZE) > wall.high - wall.low):
             continue

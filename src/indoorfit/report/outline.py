@@ -1,6 +1,6 @@
 """The model seen from above, in page units: x to the right, y of the Manhattan frame upward."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -35,10 +35,13 @@ class WallLine:
     outward: int
     """+1 or -1: the page direction that leaves the room."""
     inferred: bool
+    overhead: bool | None = None
+    """Of the side of a level: whether it hangs from the ceiling or stands on the floor. None for walls."""
 
     def box(self) -> Box:
-        """Bounds of the drawn wall."""
-        inner, outer = sorted((self.at - self.outward, self.at + self.outward * BAND))
+        """Bounds of the drawn wall; a line for the side of a level."""
+        band = BAND if self.overhead is None else 1.0
+        inner, outer = sorted((self.at - self.outward, self.at + self.outward * band))
         if self.axis == 0:
             return inner, self.low, outer, self.high
         return self.low, inner, self.high, outer
@@ -56,6 +59,8 @@ class Outline:
     scale: float
     """Page units per metre."""
     walls: tuple[WallLine, ...]
+    steps: tuple[WallLine, ...]
+    """The sides of platforms, beams and lowered ceilings."""
     floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]
     """By room, the floor polygons with their holes."""
     floor_boxes: dict[str, Box]
@@ -68,8 +73,8 @@ class Outline:
         return points_m[:, :2] * np.array([self.scale, -self.scale])
 
     def wall(self, face_id: str) -> WallLine | None:
-        """The wall of that face, None for floors and ceilings."""
-        return next((wall for wall in self.walls if wall.id == face_id), None)
+        """The wall or side of a level of that face, None for floors and ceilings."""
+        return next((wall for wall in (*self.walls, *self.steps) if wall.id == face_id), None)
 
     def room_box(self, room: str | None = None) -> Box:
         """Bounds of a room's walls, or of all rooms'."""
@@ -135,7 +140,13 @@ def outline_of(result: FitResult, scale: float | None = None) -> Outline:
         if face.kind == "wall"
     )
     z_range_m = (float(everything[:, 2].min()), float(everything[:, 2].max()))
-    return Outline(scale, walls, floors, _boxes(floors), z_range_m)
+    steps = []
+    for face in result.faces:
+        if face.kind == "step":
+            ring = np.concatenate(corners[face.id])
+            line = _wall_line(result, face, ring[:, :2] * flip)
+            steps.append(replace(line, overhead=bool(ring[:, 2].mean() > np.mean(z_range_m))))
+    return Outline(scale, walls, tuple(steps), floors, _boxes(floors), z_range_m)
 
 
 def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> WallLine:

@@ -1,17 +1,18 @@
 """The report as one page that needs nothing else: its scripts are inside, no fonts, no network."""
 
-from collections.abc import Mapping
 from html import escape
 
 from indoorfit.model import FitResult
 
 from .dimension_section import dimension_section, interval_head, number_cells
+from .doorways import evidence_text
 from .facts import input_name
 from .html_table import Cell, Row, html_table, pairs
 from .residual_figures import histogram_svg, residual_maps
 from .residuals import Residuals
 from .scene import scene_data
 from .style import STYLE
+from .tape import tape_section
 from .textures import texture_rows
 from .viewer_section import VIEW, policy, scripts
 
@@ -20,7 +21,6 @@ def report_html(
     result: FitResult,
     plan_svg: str,
     residuals: Residuals | None = None,
-    tape_m: Mapping[str, float] | None = None,
 ) -> str:
     """The report of one fit.
 
@@ -28,7 +28,6 @@ def report_html(
         result: what to report; all its texts are escaped.
         plan_svg: the plan, as `report.plan_svg` makes it; put into the page as it stands.
         residuals: of the scan, as `report.residuals_of` finds them; without them their section is left out.
-        tape_m: by dimension id, lengths measured by hand; they get columns of their own.
     """
     title = f"Measured model of {input_name(result)}" if input_name(result) else "Measured model"
     body = [
@@ -36,9 +35,11 @@ def report_html(
         f'<p class="quiet">{escape(_summary(result))}</p>',
         *_warnings(result),
         VIEW,
-        dimension_section(result, tape_m or {}),
+        dimension_section(result),
+        *tape_section(result),
         f'<section id="plan"><h2>Plan</h2><div class="plan">{plan_svg}</div></section>',
         _rooms(result),
+        _doorways(result),
         _residuals(residuals),
         _noise(result),
         _textures(result),
@@ -84,6 +85,26 @@ def _rooms(result: FitResult) -> str:
     head = ("Room", "What", Cell("Value", "number"), interval_head(result.level, "as the value"), "Unit")
     table = html_table(head, rows, "Rooms with their intervals", sortable=True)
     return f'<section id="rooms"><h2>Rooms</h2>\n{table}</section>'
+
+
+def _doorways(result: FitResult) -> str:
+    if not result.adjacency:
+        return ""
+    rows = [
+        Row(
+            (
+                Cell(doorway.id, "id"),
+                Cell(" and ".join(doorway.rooms)),
+                Cell(" and ".join(doorway.faces)),
+                Cell(f"{doorway.width_m:.2f}", "number", sort=doorway.width_m),
+                Cell(evidence_text(doorway.evidence)),
+            )
+        )
+        for doorway in result.adjacency
+    ]
+    head = ("Door", "Joins", "Through", Cell("Width, m, about", "number"), "Evidence")
+    table = html_table(head, rows, "Doors between rooms")
+    return f'<section id="doors"><h2>Doors between rooms</h2>\n{table}</section>'
 
 
 def _residuals(residuals: Residuals | None) -> str:

@@ -12,6 +12,7 @@ from indoorfit.model import FitResult
 from .arrows import INFERRED, draw_placement
 from .caption import caption, heading
 from .display import Dots, Item, Label, Picture, Region, Stroke
+from .doorways import draw_doorways
 from .layout import Layout, lay_out
 from .names import FLOOR
 from .outline import BAND, Outline
@@ -78,7 +79,8 @@ def plan_picture(
     plan = layout or lay_out(result)
     outline = plan.outline
     arrows = [item for placement in plan.placements for item in draw_placement(placement)]
-    drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_walls(outline)]
+    drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_steps(outline), *_walls(outline)]
+    drawing += draw_doorways(result, outline)
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
     marks = [*plan.names, *arrows]
     drawing += [item for item in marks if not isinstance(item, Label)]
@@ -129,6 +131,16 @@ def _walls(outline: Outline) -> list[Item]:
             reach = np.array([-1.0, 1.0])[:, None] * (np.arange(2) == 1 - wall.axis)
             items.append(Stroke(wall.points() + reach, _WALL, 2.0, shows=(wall.id,)))
     return items
+
+
+def _steps(outline: Outline) -> list[Item]:
+    """The sides of levels as thin lines, dashed where they are overhead, as in any floor plan."""
+    return [
+        Stroke(
+            step.points(), INFERRED if step.inferred else _WALL, 1.0, (5.0, 3.0) if step.overhead else None
+        )
+        for step in outline.steps
+    ]
 
 
 def scan_dots(

@@ -69,14 +69,18 @@ def render(result: FitResult, view: View) -> Image.Image:
 
 
 def _visible_triangles(result: FitResult) -> tuple[Float[np.ndarray, "triangles 3 3"], Int[np.ndarray, " n"]]:
-    """Corners in the Manhattan frame and the index of the face, without ceilings."""
+    """Corners in the Manhattan frame and the index of the face, without ceilings and what hangs from them."""
     index = {face.id: k for k, face in enumerate(result.faces)}
     corners, owners = [], []
     for mesh in result.meshes:
         corners.append(result.frame.to_manhattan(mesh.vertices_m)[mesh.triangles])
         owners += [index[name] for name in mesh.face_ids]
-    kept = np.array([result.faces[owner].kind != "ceiling" for owner in owners])
-    return np.concatenate(corners)[kept], np.array(owners)[kept]
+    everything = np.concatenate(corners)
+    middle = 0.5 * (everything[:, :, 2].min() + everything[:, :, 2].max())
+    overhead = everything[:, :, 2].mean(axis=1) > middle
+    kinds = np.array([result.faces[owner].kind for owner in owners])
+    kept = (kinds != "ceiling") & ~((kinds == "step") & overhead)
+    return everything[kept], np.array(owners)[kept]
 
 
 def _camera_axes(view: View) -> Float[np.ndarray, "3 3"]:

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 from indoorfit.export import quantity_text
-from indoorfit.model import Dimension, FitResult, Quantity
+from indoorfit.model import Dimension, FitResult, Quantity, TapeVerdict
 
+from .doorways import doorway_text
 from .facts import level_text
+from .tape import tape_summary, tape_table
 
 _GAP = "  "
 
@@ -32,6 +34,10 @@ def dimension_table(result: FitResult) -> str:
             )
         ]
         blocks.append(aligned(("room", "what", "value", f"interval at {level}", "unit"), rows))
+    if result.adjacency:
+        blocks.append("\n".join(doorway_text(doorway) for doorway in result.adjacency))
+    if result.tape is not None:
+        blocks.append("\n".join([*_tape_lines(result.tape), tape_summary(result.tape)]))
     if result.notes:
         blocks.append("\n".join(f"warning {note.code}: {note.message}" for note in result.notes))
     if not result.converged:
@@ -39,10 +45,15 @@ def dimension_table(result: FitResult) -> str:
     return "\n\n".join(blocks) + "\n"
 
 
+def _tape_lines(tape: TapeVerdict) -> list[str]:
+    return [aligned(*tape_table(tape))] if tape.checks else []
+
+
 def what_is_measured(dimension: Dimension, with_room: bool) -> str:
     """One phrase for a dimension: `wall-1, from wall-4 to wall-2`."""
     subject = dimension.wall or dimension.kind
-    room = f"{dimension.room} " if with_room and dimension.wall is None else ""
+    between = dimension.wall is not None or dimension.kind == "thickness"
+    room = f"{dimension.room} " if with_room and not between else ""
     return f"{room}{subject}, from {dimension.faces[0]} to {dimension.faces[1]}"
 
 

@@ -79,7 +79,7 @@ def face_points(
     if scan.frame_ids is not None:
         ids, index = np.unique(scan.frame_ids, return_inverse=True)
         index, n_frames = index[::step], len(ids)
-    chosen = claims(points_m, shape, config)
+    chosen = [indices for indices, _ in claims(points_m, shape, config)]
     places, residuals = [], []
     for plane, own in zip(shape.planes, chosen, strict=True):
         within = [axis for axis in range(3) if axis != plane.axis]

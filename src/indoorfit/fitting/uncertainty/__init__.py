@@ -17,6 +17,7 @@ from .pose_field import FrameSlips as FrameSlips
 from .pose_field import PoseFieldConfig as PoseFieldConfig
 from .pose_field import pose_field_predictive as pose_field_predictive
 from .pose_field import pose_obstacle as pose_obstacle
+from .pose_field import rough_slips as rough_slips
 from .predictive import DerivedQuantities as DerivedQuantities
 from .predictive import Distribution as Distribution
 from .predictive import Predictive as Predictive

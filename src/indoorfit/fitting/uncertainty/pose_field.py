@@ -4,7 +4,7 @@ One frame sees several faces, so its slip shows against the Manhattan model: thi
 prior. It finds a face that hangs on displaced frames, to which no residual on the face itself gives a clue.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -68,6 +68,8 @@ class PoseFieldConfig:
     """Tail of the draws."""
     min_frames: int = 8
     """Fewer frames say nothing about their own scatter."""
+    min_views: int = 2
+    """A face that one frame alone has seen moves with that frame."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,9 @@ class PoseFieldFit:
     mode: HyperMode
 
 
-_LOW = np.array([np.log(1e-6), np.log(1e-7), -5.0, np.log(0.5), np.log(1e-6), np.log(1e-5)])
+# Cells are not believed to better than 0.1 mm each: with less, slips of centimetres make the normal equations
+# of a noise-free scan so stiff that rounding decides them.
+_LOW = np.array([np.log(1e-6), np.log(1e-7), -5.0, np.log(0.5), np.log(1e-6), np.log(1e-4)])
 _HIGH = np.array([np.log(0.4), np.log(0.2), 5.0, np.log(1e3), np.log(0.37), np.log(0.37)])
 
 
@@ -124,6 +128,14 @@ def pose_obstacle(cells: Cells, config: PoseFieldConfig) -> str | None:
     frames = len(np.unique(cells.frames))
     if frames < config.min_frames:
         return f"{frames} frames; the pose model needs at least {config.min_frames}."
+    views = np.unique(np.column_stack([cells.plane, cells.frames]), axis=0)[:, 0]
+    planes, seen_by = np.unique(views, return_counts=True)
+    alone = int(np.sum(seen_by < config.min_views))
+    if alone:
+        return (
+            f"{alone} of {len(planes)} faces are seen by fewer than {config.min_views} frames; what a "
+            "frame's slip does to such a face does not show."
+        )
     return None
 
 
@@ -209,20 +221,20 @@ def _reweight(
 def _displacements(
     slips: Float[np.ndarray, "frames 6"], config: PoseFieldConfig
 ) -> Float[np.ndarray, "frames 6"]:
-    """Squared distance from the median slip for frames beyond the limit, else 0.
+    """Mean squared distance from the median slip for frames beyond the limit, else 0.
 
     A Gaussian prior would split the difference between a displaced block and the rest, and so shift the
-    walls that each of them sees.
+    walls that each of them sees. A frame that was put somewhere by hand is off in all its six coordinates,
+    whichever of them gave it away.
     """
-    away = slips - np.median(slips, axis=0)
-    spread = np.abs(away).reshape(len(slips), 2, SLIP // 2)
+    away = (slips - np.median(slips, axis=0)).reshape(len(slips), 2, SLIP // 2)
     # One scale for the three axes: drift and jitter have no preferred one, and frames are few.
-    scale = MAD_TO_STD * np.median(spread, axis=(0, 2))
-    beyond = np.any(spread > config.displaced_sigmas * scale[:, None], axis=2)
-    if np.mean(np.any(beyond, axis=1)) > config.max_displaced:
+    scale = MAD_TO_STD * np.median(np.abs(away), axis=(0, 2))
+    beyond = np.any(np.abs(away) > config.displaced_sigmas * scale[:, None], axis=(1, 2))
+    if np.mean(beyond) > config.max_displaced:
         return np.zeros_like(slips)
-    beyond = np.repeat(beyond, SLIP // 2, axis=1)
-    return np.where(beyond, away**2, 0.0)
+    variance = np.repeat(np.mean(away**2, axis=2), SLIP // 2, axis=1)
+    return np.where(beyond[:, None], variance, 0.0)
 
 
 def pose_field_predictive(
@@ -253,6 +265,15 @@ def pose_field_predictive(
     noise = describe_pose_noise(hyper, pose_prior(config)[1], fit.robust, fit.mode.converged)
     predictive = Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
     return predictive, _slips(fit, config)
+
+
+def rough_slips(cells: Cells, config: PoseFieldConfig) -> tuple[FrameSlips, Float[np.ndarray, " params"]]:
+    """Slips and the step of theta from the linearisation point at the mode of the hyper-parameters alone."""
+    fit = fit_pose_field(cells, replace(config, sweeps=2))
+    state = evaluate_pose(fit.layout, fit.linear, fit.robust, fit.mode.point, config.kappa)
+    step = np.zeros(cells.n_params)
+    step[fit.layout.seen] = state.border[: len(fit.layout.precision)]
+    return _slips(fit, config), step
 
 
 def _slips(fit: PoseFieldFit, config: PoseFieldConfig) -> FrameSlips:

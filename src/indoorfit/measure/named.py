@@ -1,0 +1,72 @@
+"""What a survey lists: faces, dimensions and rooms, named but without uncertainty."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from indoorfit.model import DimensionKind, FaceKind, Polygon, RoomSolid, Shape, Side
+
+
+@dataclass(frozen=True)
+class Measurand:
+    """A quantity and its derivative with respect to every plane offset (m, m² or m³ per m)."""
+
+    value: float
+    gradient: Float[np.ndarray, " planes"]
+
+
+@dataclass(frozen=True)
+class NamedFace:
+    """A polygon with its place in the grammar."""
+
+    id: str
+    kind: FaceKind
+    room: str
+    cube: str
+    side: Side
+    polygon: Polygon
+
+
+@dataclass(frozen=True)
+class NamedDimension:
+    """The distance of two parallel faces, before anything is known of its uncertainty."""
+
+    kind: DimensionKind
+    room: str
+    faces: tuple[str, str]
+    wall: str | None
+    planes: tuple[int, int]
+    from_m: Float[np.ndarray, " 3"]
+    """Manhattan frame."""
+    to_m: Float[np.ndarray, " 3"]
+    measurand: Measurand
+
+
+@dataclass(frozen=True)
+class NamedRoom:
+    """A room with its derived quantities."""
+
+    id: str
+    cube: str
+    solid: RoomSolid
+    floor_area: Measurand
+    volume: Measurand
+    perimeter: Measurand
+
+
+@dataclass(frozen=True)
+class Survey:
+    """Everything measurable, in the order in which it is reported."""
+
+    rooms: tuple[NamedRoom, ...]
+    faces: tuple[NamedFace, ...]
+    dimensions: tuple[NamedDimension, ...]
+
+
+def distance(shape: Shape, low: int, high: int) -> Measurand:
+    """The distance of two parallel planes, by their indices."""
+    gradient = np.zeros(len(shape.planes))
+    gradient[high] += 1.0
+    gradient[low] -= 1.0
+    return Measurand(shape.planes[high].offset_m - shape.planes[low].offset_m, gradient)

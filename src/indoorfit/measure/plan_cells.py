@@ -1,0 +1,126 @@
+"""A room from above: which floor and which ceiling lies over each cell of its plan."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from indoorfit.errors import InputError
+from indoorfit.model import Polygon, Shape
+
+NOT_ENCLOSED = (
+    "measure: the walls that were fitted do not enclose a room: two of them have passed each other, as "
+    "happens where a step is narrower than the scan is good. Fix: scan that step more closely, or raise "
+    "discover.candidates.min_area_m2 so that it is left out."
+)
+
+
+@dataclass(frozen=True)
+class PlanCells:
+    """The plan on the grid of all corners of floors and ceilings, Manhattan frame."""
+
+    x_m: Float[np.ndarray, " nx1"]
+    y_m: Float[np.ndarray, " ny1"]
+    floor: Int[np.ndarray, "nx ny"]
+    """Index of the piece that is the floor of each cell, -1 outside the room."""
+    ceiling: Int[np.ndarray, "nx ny"]
+    """The same of the ceiling."""
+
+    def widest(self, cells: np.ndarray) -> Float[np.ndarray, " 2"]:
+        """The middle of the cell, of those in the (nx, ny) mask, whose shorter side is longest."""
+        sides_m = np.minimum(np.diff(self.x_m)[:, None], np.diff(self.y_m)[None, :])
+        i, j = np.unravel_index(np.argmax(np.where(cells, sides_m, -1.0)), cells.shape)
+        return np.array([self.x_m[i] + self.x_m[i + 1], self.y_m[j] + self.y_m[j + 1]]) / 2.0
+
+    def rings_m(self) -> tuple[Float[np.ndarray, "_ 2"], ...]:
+        """The outline: the outer ring counter-clockwise as seen from above, then those of pillars."""
+        following = _edges(self.floor >= 0)
+        rings = []
+        while following:
+            start = min(following)
+            ring, before, here = [start], start, _next(following, start, start)
+            while here != start:
+                ring.append(here)
+                before, here = here, _next(following, before, here)
+            rings.append(np.array([(self.x_m[i], self.y_m[j]) for i, j in _corners(ring)]))
+        return tuple(sorted(rings, key=lambda ring: -float(np.ptp(ring, axis=0).sum())))
+
+
+_Node = tuple[int, int]
+
+
+def _edges(inside: np.ndarray) -> dict[_Node, list[_Node]]:
+    """Directed borders of the cells, the inside to their left, by the node that they begin at."""
+    following: dict[_Node, list[_Node]] = {}
+    padded = np.pad(inside, 1)
+    for i, j in np.argwhere(inside).tolist():
+        for start, end, beside in (
+            ((i, j), (i + 1, j), padded[i + 1, j]),
+            ((i + 1, j), (i + 1, j + 1), padded[i + 2, j + 1]),
+            ((i + 1, j + 1), (i, j + 1), padded[i + 1, j + 2]),
+            ((i, j + 1), (i, j), padded[i, j + 1]),
+        ):
+            if not beside:
+                following.setdefault(start, []).append(end)
+    return following
+
+
+def _next(following: dict[_Node, list[_Node]], before: _Node, here: _Node) -> _Node:
+    """Go on; where two pieces touch by a corner, turn left and stay with one's own."""
+    ways = following[here]
+    came = (here[0] - before[0], here[1] - before[1])
+    ways.sort(key=lambda end: -(came[0] * (end[1] - here[1]) - came[1] * (end[0] - here[0])))
+    chosen = ways.pop(0)
+    if not ways:
+        del following[here]
+    return chosen
+
+
+def _corners(ring: list[_Node]) -> list[_Node]:
+    """Without the nodes in the middle of a straight side, the lowest corner first."""
+    n = len(ring)
+    kept = [
+        node
+        for k, node in enumerate(ring)
+        if not (ring[k - 1][0] == node[0] == ring[(k + 1) % n][0])
+        and not (ring[k - 1][1] == node[1] == ring[(k + 1) % n][1])
+    ]
+    first = kept.index(min(kept))
+    return kept[first:] + kept[:first]
+
+
+def plan_cells(shape: Shape, pieces: Sequence[Polygon]) -> PlanCells:
+    """Look down on the level pieces of one room.
+
+    Args:
+        shape: the grammar.
+        pieces: the polygons of one room.
+
+    Raises:
+        InputError: no floor or no ceiling is left of it.
+    """
+    level = [(k, piece) for k, piece in enumerate(pieces) if shape.planes[piece.plane].axis == 2]
+    if {shape.planes[piece.plane].outward for _, piece in level} != {-1, 1}:
+        raise InputError(NOT_ENCLOSED)
+    corners_m = np.concatenate([ring for _, piece in level for ring in piece.rings_m])
+    # Pieces come from one mesh: corners in one place have equal numbers.
+    x_m, y_m = np.unique(corners_m[:, 0]), np.unique(corners_m[:, 1])
+    maps = {-1: np.full((len(x_m) - 1, len(y_m) - 1), -1), 1: np.full((len(x_m) - 1, len(y_m) - 1), -1)}
+    for k, piece in level:
+        maps[shape.planes[piece.plane].outward][_covered(piece, x_m, y_m)] = k
+    return PlanCells(x_m, y_m, maps[-1], maps[1])
+
+
+def _covered(piece: Polygon, x_m: Float[np.ndarray, " nx1"], y_m: Float[np.ndarray, " ny1"]) -> np.ndarray:
+    """Even-odd rule over all rings, for the middles of the cells."""
+    x, y = 0.5 * (x_m[1:] + x_m[:-1]), 0.5 * (y_m[1:] + y_m[:-1])
+    inside = np.zeros((len(x), len(y)), bool)
+    for ring in piece.rings_m:
+        following = np.roll(ring, -1, axis=0)
+        # Rings are rectilinear: only their sides along y are crossed on the way along x.
+        for (x0, y0, _), (_, y1, _) in zip(ring, following, strict=True):
+            if y0 != y1:
+                low, high = sorted((y0, y1))
+                inside ^= (x < x0)[:, None] & ((y > low) & (y < high))[None, :]
+    return inside

@@ -1,0 +1,44 @@
+"""The decision on the plan, explained: the stages up to discovery, and what became of every candidate."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from indoorfit.config import RunConfig
+from indoorfit.discover import Explanation, explain
+from indoorfit.model import Frame, Scan
+
+from .front import front_end
+from .overriding import overridden, plan_overrides
+from .provenance import Stopwatch
+
+
+@dataclass(frozen=True)
+class Explained:
+    """An explanation and where it stands."""
+
+    scan: Scan
+    """Without the points that an override ignores."""
+    frame: Frame
+    explanation: Explanation
+
+
+def explain_scan(scan: Scan, config: RunConfig | None = None) -> Explained:
+    """Say of every candidate wall whether it was accepted, and why.
+
+    Args:
+        scan: metres, any pose.
+        config: settings; those of the fit itself are not used.
+
+    Raises:
+        InputError: the cloud cannot be a room.
+        ConfigError: an override that cannot be meant.
+    """
+    scan, config = overridden(scan, config or RunConfig())
+    with threadpool_limits(1, "blas"):
+        front = front_end(scan, config, np.random.default_rng(config.seed), Stopwatch())
+        said = plan_overrides(config.overrides, front.frame)
+        found = explain(front.surfels, front.segments, front.classes, config.discover, said)
+    notes = (*scan.notes, *front.notes, *found.notes)
+    return Explained(scan, front.frame, replace(found, notes=notes))
