@@ -22,6 +22,9 @@ class LevelConfig:
     """Levels that differ by more are two, as for walls; what floors are out of level is less."""
     min_area_m2: float = 0.3
     """Least area of a level: a tread, or a beam of 10 cm over 3 m. Lamps and shelves are smaller."""
+    max_levels: int = 18
+    """Most levels of one floor or ceiling: a stair from storey to storey has no more treads (DIN 18065: at
+    most 18 in one flight). More heights than that are a slope, a vault or noise, and none is a level."""
     walkable_m: float = 0.8
     """Least width of a platform that does not reach from wall to wall: what one can walk on (DIN 18065 asks
     80 cm of stairs). Narrower boxes on the floor are furniture."""

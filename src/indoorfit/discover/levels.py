@@ -39,6 +39,8 @@ def find_levels(task: LevelTask, fallback_m: float, config: LevelConfig) -> Room
     levels = level_areas(points_m[:, 2], config.step_m, area_m2)
     if not levels:
         return RoomLevels(fallback_m, 0.0, (), ())
+    if sum(area_m2 >= config.min_area_m2 for _, area_m2 in levels) > config.max_levels:
+        return RoomLevels(*levels[0], (), tuple(levels[1:]))
     heights_m = np.array([height_m for height_m, _ in levels])
     own = np.argmin(np.abs(points_m[:, 2:] - heights_m), axis=1)
     found: list[FoundLevel] = []
