@@ -63,3 +63,7 @@ def main() -> None:
         sys.stderr.write("indoorfit: interrupted; nothing is half written.\n")
         code = 130
     sys.exit(code)
+
+
+if __name__ == "__main__":
+    main()

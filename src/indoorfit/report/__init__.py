@@ -9,9 +9,11 @@ from .dxf import to_dxf as to_dxf
 from .explain_picture import explain_picture as explain_picture
 from .explain_text import explain_document as explain_document
 from .explain_text import explain_table as explain_table
+from .html_table import Cell as Cell
+from .html_table import Row as Row
+from .html_table import html_table as html_table
 from .layout import UNIT_MM as UNIT_MM
 from .markup import html_page as html_page
-from .markup import html_table as html_table
 from .page import report_html as report_html
 from .pdf import to_pdf as to_pdf
 from .plan import plan_picture as plan_picture

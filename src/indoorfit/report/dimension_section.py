@@ -3,7 +3,7 @@
 import math
 
 from indoorfit.export import quantity_text
-from indoorfit.model import FitResult, Quantity
+from indoorfit.model import FitResult, Quantity, TapeCheck
 
 from .facts import level_text
 from .html_table import Cell, Row, html_table
@@ -22,6 +22,7 @@ _NOTE = (
 def dimension_section(result: FitResult) -> str:
     """Heading, table and explanation."""
     several = len(result.rooms) > 1
+    checks = {} if result.tape is None else {check.dimension: check for check in result.tape.checks}
     rows = [
         Row(
             (
@@ -30,17 +31,16 @@ def dimension_section(result: FitResult) -> str:
                 *number_cells(d.quantity, 3, 4),
                 Cell(d.loa or ""),
                 Cell(d.status, d.status),
+                *(_tape_cells(checks.get(d.id)) if checks else ()),
                 *_budget_cells(d.quantity),
             ),
             pick=d.id,
         )
         for d in result.dimensions
     ]
+    tape = ("Tape, m", "Model minus tape, mm") if checks else ()
     budget = ("u scan, mm", "u scale, mm", "u definition, mm", "k", "Degrees of freedom")
-    head = (
-        "Id", "What", Cell("Value, m", "number"), interval_head(result.level, "m"), "Accuracy", "Status",
-        *(Cell(title, "number") for title in budget),
-    )  # fmt: skip
+    head = ("Id", "What", "Value, m", interval_head(result.level, "m"), "Accuracy", "Status", *tape, *budget)
     table = html_table(head, rows, "Dimensions with their intervals", sortable=True)
     return f'<section id="dimensions"><h2>Dimensions</h2>\n{table}\n{_NOTE}</section>'
 
@@ -60,6 +60,13 @@ def number_cells(quantity: Quantity, min_decimals: int, max_decimals: int) -> tu
         Cell(text.value, "number", sort=round(quantity.value, 9)),
         Cell(text.spread, "number", sort=width, copied=ends),
     )
+
+
+def _tape_cells(check: TapeCheck | None) -> tuple[Cell, Cell]:
+    """Reading and deviation; empty where nothing was measured."""
+    if check is None:
+        return Cell("", "number"), Cell("", "number")
+    return Cell(f"{check.value_m:.4f}", "number"), Cell(f"{1e3 * check.deviation_m:+.1f}", "number")
 
 
 def _budget_cells(quantity: Quantity) -> tuple[Cell, ...]:

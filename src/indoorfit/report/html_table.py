@@ -43,12 +43,17 @@ def html_table(head: Sequence[Cell | str], rows: Iterable[Row], caption: str, so
     """A table that scrolls by itself where the page is narrow.
 
     Args:
-        head: a title per column.
+        head: a title per column; a plain one above numbers is set to the right like them.
         rows: each with as many cells.
         caption: what the table shows, for those who listen to the page.
         sortable: with tools to sort and copy it.
     """
-    titles = "".join((Cell(title) if isinstance(title, str) else title).html("th") for title in head)
+    rows = tuple(rows)
+    looks = [cell.look for cell in rows[0].cells] if rows else [""] * len(head)
+    titles = "".join(
+        (Cell(title, "number" * (look == "number")) if isinstance(title, str) else title).html("th")
+        for title, look in zip(head, looks, strict=True)
+    )
     lines = []
     for row in rows:
         assert len(row.cells) == len(head), "a cell per column"

@@ -8,10 +8,10 @@ from .dimension_section import dimension_section, interval_head, number_cells
 from .doorways import evidence_text
 from .facts import input_name
 from .html_table import Cell, Row, html_table, pairs
+from .markup import html_page
 from .residual_figures import histogram_svg, residual_maps
 from .residuals import Residuals
 from .scene import scene_data
-from .style import STYLE
 from .tape import tape_section
 from .textures import texture_rows
 from .viewer_section import VIEW, policy, scripts
@@ -45,16 +45,7 @@ def report_html(
         _textures(result),
         _provenance(result),
     ]
-    head = (
-        f'<meta charset="utf-8"><meta http-equiv="Content-Security-Policy" content="{escape(policy())}">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{STYLE}</style>"
-    )
-    content = "\n".join(part for part in body if part)
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n<main>{content}</main>\n'
-        f"{scripts(scene_data(result))}\n</body></html>\n"
-    )
+    return html_page(title, body, policy(), scripts(scene_data(result)))
 
 
 def _summary(result: FitResult) -> str:
@@ -82,7 +73,7 @@ def _rooms(result: FitResult) -> str:
             ("Perimeter", room.perimeter, "m"),
         )
     ]
-    head = ("Room", "What", Cell("Value", "number"), interval_head(result.level, "as the value"), "Unit")
+    head = ("Room", "What", "Value", interval_head(result.level, "as the value"), "Unit")
     table = html_table(head, rows, "Rooms with their intervals", sortable=True)
     return f'<section id="rooms"><h2>Rooms</h2>\n{table}</section>'
 
@@ -102,7 +93,7 @@ def _doorways(result: FitResult) -> str:
         )
         for doorway in result.adjacency
     ]
-    head = ("Door", "Joins", "Through", Cell("Width, m, about", "number"), "Evidence")
+    head = ("Door", "Joins", "Through", "Width, m, about", "Evidence")
     table = html_table(head, rows, "Doors between rooms")
     return f'<section id="doors"><h2>Doors between rooms</h2>\n{table}</section>'
 
@@ -112,15 +103,15 @@ def _residuals(residuals: Residuals | None) -> str:
         return ""
     return (
         '<section id="residuals"><h2>Residuals</h2>'
-        f"<p>Distances of {residuals.n_points} points from the faces that they belong to. Half of them are nearer "
-        f"than {0.6745e3 * residuals.std_m:.1f} mm to the middle of the bars; the line is a normal "
-        f"distribution with that spread (standard deviation {1e3 * residuals.std_m:.1f} mm). Bars far above it "
-        "at the sides are skirting, doors, furniture, or walls that are not flat.</p>"
+        f"<p>Distances of {residuals.n_points} points from the faces that they belong to. Half of them are "
+        f"nearer than {0.6745e3 * residuals.std_m:.1f} mm to the middle of the bars; the line is a normal "
+        f"distribution with that spread (standard deviation {1e3 * residuals.std_m:.1f} mm). Bars far above "
+        "it at the sides are skirting, doors, furniture, or walls that are not flat.</p>"
         f'<div class="plan">{histogram_svg(residuals)}</div>'
-        "<h3>Where a wall bows</h3><p>Each face as seen from inside the room (floors and ceilings as on the plan), "
-        "with the median residual of every small square. A slow change of colour is a wall that bows or leans; "
-        "a sharp step is something in front of it, or a place where the scan has slipped. Below each stands "
-        f"the range of nine tenths of its squares.</p>{residual_maps(residuals)}</section>"
+        "<h3>Where a wall bows</h3><p>Each face as seen from inside the room (floors and ceilings as on the "
+        "plan), with the median residual of every small square. A slow change of colour is a wall that bows "
+        "or leans; a sharp step is something in front of it, or a place where the scan has slipped. Below "
+        f"each stands the range of nine tenths of its squares.</p>{residual_maps(residuals)}</section>"
     )
 
 
@@ -132,10 +123,7 @@ def _textures(result: FitResult) -> str:
     ]
     if not rows:
         return ""
-    titles = ("Face", "Image", "Colours from", "Pixel, cm", "Seen, %", "Filled, %")
-    head = tuple(
-        Cell(title, look if look == "number" else "") for title, look in zip(titles, looks, strict=True)
-    )
+    head = ("Face", "Image", "Colours from", "Pixel, cm", "Seen, %", "Filled, %")
     return (
         f'<section id="images"><h2>Textures</h2>\n{html_table(head, rows, "Textures of the faces")}\n'
         '<p class="quiet">What was neither seen nor filled is transparent in the image.</p></section>'

@@ -70,8 +70,8 @@ def residual_maps(residuals: Residuals) -> str:
     figures = "".join(_figure(m, reach_mm) for m in residuals.maps)
     return (
         f'<p class="scale" role="img" aria-label="Colours from blue, {reach_mm:g} mm behind the face, over '
-        f'white to red, {reach_mm:g} mm in front of it">behind −{reach_mm:g} mm <span class="ramp"></span> '
-        f"+{reach_mm:g} mm in front</p>\n"
+        f'white to red, {reach_mm:g} mm in front of it">behind &minus;{reach_mm:g} mm '
+        f'<span class="ramp"></span> +{reach_mm:g} mm in front</p>\n'
         f'<div class="maps">{figures}</div>'
     )
 

@@ -57,7 +57,7 @@ def residuals_of(
         None where no face claims a point.
     """
     local = result.frame.to_manhattan(points_m)
-    claimed = claims(local, result.shape, association or AssociationConfig())
+    claimed = [own for own, _ in claims(local, result.shape, association or AssociationConfig())]
     everything, maps = [], []
     for face in result.faces:
         plane = result.shape.planes[face.plane]

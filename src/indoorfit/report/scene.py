@@ -84,7 +84,7 @@ def _dimension(result: FitResult, dimension: Dimension, several: bool) -> dict[s
 
 
 def _start(result: FitResult) -> Sequence[float]:
-    """Where a walk begins: on the largest triangle of all floors, which is inside a room whatever its plan."""
+    """Where a walk begins: on the largest triangle of all floors, which is inside a room in any plan."""
     best, largest_m2 = [0.0, 0.0, 0.0], 0.0
     for mesh in result.meshes:
         for part in face_parts(result, mesh):

@@ -64,14 +64,15 @@ svg path.lit { stroke: #e06c00 !important; stroke-width: 4px !important; }
 svg text.lit { fill: #c75d00 !important; font-weight: 700; }
 .histogram { max-width: 44rem; margin: auto; font-size: 12px; }
 .histogram rect { fill: var(--bar); } .histogram text { fill: var(--ink); }
-.histogram path { fill: none; stroke: var(--ink); } .histogram .curve { stroke: var(--warn); stroke-width: 2; }
+.histogram path { fill: none; stroke: var(--ink); }
+.histogram .curve { stroke: var(--warn); stroke-width: 2; }
 .scale { font-size: .9rem; color: var(--quiet); }
 .ramp { display: inline-block; width: 9rem; height: .8em; margin: 0 .4em; vertical-align: -1px;
   border: 1px solid var(--rule); background: linear-gradient(90deg, #2166ac, #f7f7f7, #b2182b);
   print-color-adjust: exact; }
 .maps { display: grid; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); gap: .8rem; }
-figure { margin: 0; padding: .4rem; background: var(--card); border: 1px solid var(--rule); border-radius: 6px;
-  display: flex; flex-direction: column; justify-content: flex-end; }
+figure { margin: 0; padding: .4rem; background: var(--card); border: 1px solid var(--rule);
+  border-radius: 6px; display: flex; flex-direction: column; justify-content: flex-end; }
 figure img { width: 100%; max-height: 9rem; object-fit: contain; image-rendering: pixelated; }
 figcaption { font-size: .8rem; color: var(--quiet); line-height: 1.35; padding-top: .3rem; }
 details > summary { padding: .3rem 0; }
@@ -80,8 +81,8 @@ details > summary { padding: .3rem 0; }
 code { font-size: .88em; overflow-wrap: anywhere; }
 @media (max-width: 40rem) { body { padding: 1rem .8rem 3rem; } h1 { font-size: 1.35rem; }
   #stage { aspect-ratio: 4 / 5; } th, td { padding: .38rem .45rem; } button { min-height: 2.3rem; } }
-@media print { :root { color-scheme: light; --paper: #fff; --card: #fff; --ink: #000; --quiet: #333; --rule: #bbb;
-    --accent: #000; --warn: #000; --warn-back: #fff; --lit: #eee; }
+@media print { :root { color-scheme: light; --paper: #fff; --card: #fff; --ink: #000; --quiet: #333;
+    --rule: #bbb; --accent: #000; --warn: #000; --warn-back: #fff; --lit: #eee; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } h2 { break-after: avoid; margin-top: 1.4rem; }
   tr, .plan, .warning, figure, #stage { break-inside: avoid; } .tools, #keys, #says { display: none; }
   .wide { overflow: visible; } table { font-size: 8pt; } th, td { padding: .2rem .35rem; }

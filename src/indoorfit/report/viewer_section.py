@@ -26,9 +26,9 @@ VIEW = """<section id="view" aria-label="3D view"><h2>3D view</h2>
 <div class="labels" aria-hidden="true"></div></div>
 <p id="says" role="status" aria-live="polite">Choose a dimension in the table, or click a face, to see which
 faces it belongs to.</p>
-<p id="keys" class="quiet">Drag to turn, scroll or pinch to zoom, arrow keys and + and − do the same; Home goes
-back. Walls look inward: those between you and the room are not drawn. Inside, drag to look around, click the
-floor to go there, or use W A S D and the arrow keys. Esc ends a selection.</p>
+<p id="keys" class="quiet">Drag to turn, scroll or pinch to zoom, arrow keys and + and &minus; do the
+same; Home goes back. Walls look inward: those between you and the room are not drawn. Inside, drag to look
+around, click the floor to go there, or use W A S D and the arrow keys. Esc ends a selection.</p>
 <noscript><p class="warning">The 3D view needs scripts; plan and tables are complete without.</p></noscript>
 </section>"""
 
