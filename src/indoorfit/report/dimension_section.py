@@ -27,7 +27,7 @@ def dimension_section(result: FitResult) -> str:
         Row(
             (
                 Cell(d.id, "id"),
-                Cell(what_is_measured(d, several)),
+                Cell(what_is_measured(d, several), "what"),
                 *number_cells(d.quantity, 3, 4),
                 Cell(d.loa or ""),
                 Cell(d.status, d.status),

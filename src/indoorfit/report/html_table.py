@@ -13,7 +13,7 @@ class Cell:
 
     text: str
     look: str = ""
-    """Its class: ``id``, ``number``, ``inferred`` or nothing."""
+    """Its class: ``id``, ``number``, ``what``, ``inferred`` or nothing."""
     sort: float | None = None
     """What the page sorts by; None sorts by the text."""
     copied: str | None = None

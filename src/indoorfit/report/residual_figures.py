@@ -11,7 +11,7 @@ from PIL import Image
 
 from .residuals import ResidualMap, Residuals
 
-_WIDTH, _HEIGHT, _LEFT, _BOTTOM = 640.0, 240.0, 46.0, 34.0
+_WIDTH, _HEIGHT, _LEFT, _BOTTOM = 640.0, 250.0, 46.0, 44.0
 _BLUE, _PALE, _RED = (33, 102, 172), (247, 247, 247), (178, 24, 43)
 """Diverging and told apart by the colour-blind (ColorBrewer RdBu, ends)."""
 _SHOWN_SHARE = 0.95

@@ -26,6 +26,7 @@ th { font-weight: 600; color: var(--quiet); vertical-align: bottom; }
 td { overflow-wrap: break-word; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
 td.number, td.id { white-space: nowrap; }
+td.what { min-width: 14rem; }
 td.id, td.id button { color: var(--accent); font-weight: 600; }
 td.inferred { color: var(--warn); font-weight: 600; }
 tr[data-pick] { cursor: pointer; }
@@ -59,6 +60,12 @@ button.pick { padding: .05rem .5rem; min-width: 2.2rem; }
 .labels .name { color: #fff; background: #26323ca8; font-size: 11px; }
 .labels .lit { background: #ff8a1e; color: #201000; font-weight: 600; z-index: 1; }
 #says { min-height: 1.6em; }
+#picked { position: fixed; z-index: 3; left: 50%; bottom: .8rem; transform: translateX(-50%); margin: 0;
+  width: max-content; max-width: calc(100vw - 1.6rem); padding: .5rem .9rem; border-radius: 8px;
+  background: var(--card); border: 1px solid var(--rule); box-shadow: 0 3px 16px #0004; font-size: .93rem; }
+#picked[hidden] { display: none; }
+#picked a, #picked button { margin-left: .5rem; }
+a { color: var(--accent); }
 svg [data-shows] { cursor: pointer; }
 svg path.lit { stroke: #e06c00 !important; stroke-width: 4px !important; }
 svg text.lit { fill: #c75d00 !important; font-weight: 700; }
@@ -85,7 +92,9 @@ code { font-size: .88em; overflow-wrap: anywhere; }
     --rule: #bbb; --accent: #000; --warn: #000; --warn-back: #fff; --lit: #eee; }
   body { max-width: none; padding: 0; font-size: 9.5pt; } h2 { break-after: avoid; margin-top: 1.4rem; }
   tr, .plan, .warning, figure, #stage { break-inside: avoid; } .tools, #keys, #says { display: none; }
+  #picked { display: none !important; } td.what { min-width: 9rem; } #stage { background: none; }
   .wide { overflow: visible; } table { font-size: 8pt; } th, td { padding: .2rem .35rem; }
+  body, td { line-height: 1.35; }
   th button, button.pick { border: 0; padding: 0; min-width: 0; min-height: 0; box-shadow: none !important; }
   #stage { max-height: 115mm; } .labels { font-size: 8pt; } .plan svg { max-height: 235mm; }
   @page { size: A4; margin: 14mm; } }

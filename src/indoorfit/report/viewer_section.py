@@ -29,6 +29,8 @@ faces it belongs to.</p>
 <p id="keys" class="quiet">Drag to turn, scroll or pinch to zoom, arrow keys and + and &minus; do the
 same; Home goes back. Walls look inward: those between you and the room are not drawn. Inside, drag to look
 around, click the floor to go there, or use W A S D and the arrow keys. Esc ends a selection.</p>
+<p id="picked" hidden><span></span> <a href="#view">3D view</a> <a href="#plan">Plan</a>
+<a href="#dimensions">Table</a> <button type="button">Clear</button></p>
 <noscript><p class="warning">The 3D view needs scripts; plan and tables are complete without.</p></noscript>
 </section>"""
 

@@ -27,9 +27,13 @@ function describe(id) {
 }
 
 const says = document.getElementById("says");
+const picked = document.getElementById("picked");
 selection.listeners.push(() => {
   const lit = selection.lit();
   says.textContent = describe(selection.id);
+  // The same at the lower edge of the window, with ways to where it is lit.
+  picked.hidden = selection.id === null;
+  picked.firstElementChild.textContent = describe(selection.id);
   for (const element of document.querySelectorAll("[data-shows]")) {
     element.classList.toggle("lit", element.dataset.shows.split(" ").some((id) => lit.has(id)));
   }
@@ -56,6 +60,7 @@ for (const row of document.querySelectorAll("tr[data-pick]")) {
 for (const element of document.querySelectorAll("svg [data-shows]")) {
   element.addEventListener("click", () => selection.toggle(element.dataset.shows.split(" ")[0]));
 }
+picked.querySelector("button").addEventListener("click", () => selection.toggle(selection.id));
 addEventListener("keydown", (event) => {
   if (event.key === "Escape" && selection.id !== null) selection.toggle(selection.id);
 });

@@ -83,6 +83,7 @@
 
   // ---- dimensions --------------------------------------------------------------------------------------
   const lines = new THREE.Group();
+  const bars = [];
   scene.add(lines);
   const UP = new THREE.Vector3(0, 1, 0);
   function ticked(a, b) {
@@ -93,14 +94,15 @@
     return [a, b, a.clone().sub(t), a.clone().add(t), b.clone().sub(t), b.clone().add(t)].flatMap((p) => p.toArray());
   }
   const labels = [];
-  function label(className, text, shows, at, seen) {
+  /** A text at the first of several places that is free. */
+  function label(className, text, shows, places, seen) {
     const element = document.createElement("span");
     element.className = className;
     element.textContent = text;
     element.dataset.shows = shows;
     element.addEventListener("click", () => selection.toggle(shows.split(" ")[0]));
     overlay.append(element);
-    labels.push({ element, at, seen, ids: shows.split(" "), width: 0, height: 0 });
+    labels.push({ element, places, seen, ids: shows.split(" "), width: 0, height: 0 });
   }
   const spans = new Map();
   for (const d of report.dimensions) {
@@ -124,14 +126,19 @@
     bar.quaternion.setFromUnitVectors(UP, b.clone().sub(a).normalize());
     bar.renderOrder = 2;
     bar.visible = false;
-    bar.userData.ids = group.map((d) => d.id);
-    lines.add(line, bar);
     const ids = group.map((d) => d.id);
-    label("dimension", `${ids.join(", ")}  ${group[0].text}`, ids.join(" "), bar.position, () => lines.visible);
+    bar.userData.ids = ids;
+    lines.add(line, bar);
+    bars.push(bar);
+    const places = [0.5, 0.33, 0.67, 0.2, 0.8].map((share) => a.clone().lerp(b, share));
+    label("dimension", `${ids.join(", ")}  ${group[0].text}`, ids.join(" "), places, () => lines.visible);
   }
   const back = new THREE.Vector3();
   for (const { face, centre, normal } of faces) {
-    label("name", face.id, face.id, centre, () =>
+    // Dimensions run at half height and over the middle, so names go nearer to the corners of their face.
+    const inner = (share) => face.edges[0].map((c) => centre.clone().lerp(new THREE.Vector3(...c), share));
+    const high = (p, q) => q.y - p.y;
+    label("name", face.id, face.id, [...inner(0.5).sort(high), centre, ...inner(0.75).sort(high)], () =>
       $("names").checked && back.copy(camera.position).sub(centre).dot(normal) > 0);
   }
   const measure = () => labels.forEach((l) => {
@@ -145,14 +152,18 @@
     // What is selected comes first, then long dimensions, then names; what would lie over another is left out.
     const order = [...labels].sort((a, b) => b.ids.includes(selection.id) - a.ids.includes(selection.id));
     for (const l of order) {
-      spot.copy(l.at).project(camera);
-      let shown = l.seen() && spot.z < 1 && Math.abs(spot.x) < 1 && Math.abs(spot.y) < 1 && l.at.y <= cut.constant;
-      const [x, y] = [(0.5 + 0.5 * spot.x) * width, (0.5 - 0.5 * spot.y) * height];
-      const box = [x - l.width / 2 - 3, y - l.height / 2 - 2, x + l.width / 2 + 3, y + l.height / 2 + 2];
-      shown = shown && !taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3]);
+      const shown = l.seen() && l.places.some((at) => {
+        spot.copy(at).project(camera);
+        if (spot.z >= 1 || at.y > cut.constant) return false;
+        const [x, y] = [(0.5 + 0.5 * spot.x) * width, (0.5 - 0.5 * spot.y) * height];
+        const box = [x - l.width / 2 - 3, y - l.height / 2 - 2, x + l.width / 2 + 3, y + l.height / 2 + 2];
+        if (box[0] < 0 || box[1] < 0 || box[2] > width || box[3] > height) return false;
+        if (taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return false;
+        taken.push(box);
+        return true;
+      });
       l.element.style.display = shown ? "block" : "none";
       if (!shown) continue;
-      taken.push(box);
       // In shares of the stage, so that they stay in place when it is printed at another size.
       l.element.style.left = `${50 + 50 * spot.x}%`;
       l.element.style.top = `${50 - 50 * spot.y}%`;
@@ -161,14 +172,29 @@
 
   // ---- the observer ------------------------------------------------------------------------------------
   let walking = false;
+  let untouched = true;
   let yaw = 0;
   let pitch = 0;
   function overview() {
     const direction = new THREE.Vector3(-0.45, 0.95, 0.65).normalize();
+    // In the middle of the picture and as near as all corners allow; each round halves what is left, and more.
     controls.target.copy(middle);
-    // The whole model fits the narrower of the two angles of view.
-    const half = Math.tan(Math.PI / 8) * Math.min(1, camera.aspect);
-    camera.position.copy(middle).addScaledVector(direction, (0.46 * size) / half);
+    let away = size;
+    for (let round = 0; round < 12; round += 1) {
+      camera.position.copy(controls.target).addScaledVector(direction, away);
+      controls.update();
+      camera.updateMatrixWorld();
+      const seen = corners.map((c) => new THREE.Vector3(...c).project(camera));
+      const ends = (k) => [Math.min(...seen.map((p) => p[k])), Math.max(...seen.map((p) => p[k]))];
+      const [[left, right], [bottom, top]] = [ends("x"), ends("y")];
+      const half = Math.tan((Math.PI * camera.fov) / 360) * away;
+      const side = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
+      const over = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
+      controls.target.addScaledVector(side, 0.25 * (left + right) * half * camera.aspect);
+      controls.target.addScaledVector(over, 0.25 * (bottom + top) * half);
+      away *= 0.5 + 0.25 * Math.max(right - left, top - bottom) / 0.92;
+    }
+    camera.position.copy(controls.target).addScaledVector(direction, away);
     controls.update();
     draw();
   }
@@ -183,10 +209,13 @@
   }
   function setMode(walk) {
     walking = walk;
+    untouched = !walk;
     controls.enabled = !walk;
     $("orbit").setAttribute("aria-pressed", String(!walk));
     $("walk").setAttribute("aria-pressed", String(walk));
     camera.fov = walk ? 70 : 45;
+    // From a step away a bar would hide what it measures.
+    bars.forEach((bar) => bar.scale.set(walk ? 0.25 : 1, 1, walk ? 0.25 : 1));
     camera.updateProjectionMatrix();
     if (!walk) return overview();
     const [x, floor, z] = report.start;
@@ -282,7 +311,7 @@
   selection.listeners.push(() => {
     const lit = selection.lit();
     faces.forEach(({ face, glow }) => { glow.visible = lit.has(face.id); });
-    lines.children.forEach((line) => { if (line.userData.ids) line.visible = line.userData.ids.includes(selection.id); });
+    bars.forEach((bar) => { bar.visible = bar.userData.ids.includes(selection.id); });
     draw();
   });
   controls.addEventListener("change", draw);
@@ -294,11 +323,14 @@
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
     measure();
+    // Turning a phone shows the whole again; a view that somebody chose stays.
+    if (untouched) overview();
     draw();
   }
+  controls.addEventListener("start", () => { untouched = false; });
+  canvas.addEventListener("keydown", () => { untouched = false; });
   fit();
   new ResizeObserver(fit).observe(canvas);
   dress(true);
   cutAt();
-  overview();
 })();
