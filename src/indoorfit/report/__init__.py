@@ -22,6 +22,7 @@ from .plan import write_picture_png as write_picture_png
 from .plan import write_plan_png as write_plan_png
 from .render import View as View
 from .render import render_png as render_png
+from .report_pdf import report_pdf as report_pdf
 from .residuals import Residuals as Residuals
 from .residuals import residuals_of as residuals_of
 from .sheet import Sheet as Sheet
