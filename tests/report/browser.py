@@ -21,8 +21,8 @@ FLAGS = (
     # WebGL by the processor.
     "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
 )  # fmt: skip
-# Chromium reads commands from descriptor 3 and answers on 4. Set up in a process of its own: forking this one,
-# where JAX has threads, could hang.
+# Chromium reads commands from descriptor 3 and answers on 4. Set up in a process of its own: forking this
+# one, where JAX has threads, could hang.
 LAUNCHER = (
     "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.argv[2]), 4); "
     "os.execv(sys.argv[3], sys.argv[3:])"

@@ -34,7 +34,7 @@ def histogram_svg(residuals: Residuals) -> str:
     bars = "".join(
         f'<rect x="{x(low):.1f}" y="{y(n):.1f}" width="{x(high) - x(low) - 0.8:.1f}" '
         f'height="{y(0.0) - y(n):.1f}"/>'
-        for low, high, n in zip(edges_mm[:-1], edges_mm[1:], counts.tolist(), strict=True)
+        for low, high, n in zip(edges_mm[:-1], edges_mm[1:], counts.astype(float).tolist(), strict=True)
     )
     curve = "L".join(
         f"{x(mm):.1f} {y(normal * math.exp(-0.5 * (mm / std_mm) ** 2)):.1f}"
