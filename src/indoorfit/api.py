@@ -100,7 +100,12 @@ class RoomModel:
         return replace(self, result=with_tape(self.result, table))
 
     def write(
-        self, directory: str | Path, *, overwrite: bool = False, formats: Sequence[FormatName] = ()
+        self,
+        directory: str | Path,
+        *,
+        overwrite: bool = False,
+        formats: Sequence[FormatName] = (),
+        pdf: bool = False,
     ) -> None:
         """Write all output files into a directory, whole or not at all.
 
@@ -108,11 +113,12 @@ class RoomModel:
             directory: created; its parents too.
             overwrite: replace an earlier result in the same place.
             formats: further files, e.g. ``("ifc", "dxf")``.
+            pdf: write the report as report.pdf, too.
 
         Raises:
             OutputError: the directory exists without `overwrite`, or cannot be written.
         """
-        write_outputs(self.result, directory, self.scan, overwrite=overwrite, formats=formats)
+        write_outputs(self.result, directory, self.scan, overwrite=overwrite, formats=formats, pdf=pdf)
 
     def write_figures(
         self, directory: str | Path, *, formats: Sequence[FigureFormat] = ("svg",), overwrite: bool = False

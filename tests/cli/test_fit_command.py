@@ -218,3 +218,13 @@ def test_the_sensor_adds_its_scale_to_every_length(run_cli, room_ply, tmp_path):
         assert budget["scale_std"] == pytest.approx(0.004 * dimension["value"], rel=1e-9)
         assert budget["definition_std"] == pytest.approx(0.002, rel=1e-9)
         assert 1.9 < dimension["coverage_factor"] < 2.2
+
+
+def test_report_pdf_without_its_library_is_refused_before_the_scan_is_read(run_cli, tmp_path, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "reportlab", None)
+    outcome = run_cli("fit", tmp_path / "absent.ply", "--out", tmp_path / "out", "--pdf")
+    assert outcome.code == 1
+    assert "pip install 'indoorfit[plan]'" in outcome.err
+    assert list(tmp_path.iterdir()) == []

@@ -117,3 +117,8 @@ def test_a_writer_that_fails_leaves_nothing_behind(fitted, tmp_path, monkeypatch
 def test_without_a_scan_the_plan_is_drawn_all_the_same(fitted, tmp_path):
     write_outputs(fitted[1], tmp_path / "out", None, overwrite=False)
     assert (tmp_path / "out" / "plan.svg").read_text(encoding="utf-8").startswith(("<svg", "<?xml"))
+
+
+def test_the_report_is_written_as_pdf_where_it_is_wanted(fitted, tmp_path):
+    write_outputs(fitted[1], tmp_path / "out", fitted[0], overwrite=False, pdf=True)
+    assert (tmp_path / "out" / "report.pdf").read_bytes().startswith(b"%PDF-")

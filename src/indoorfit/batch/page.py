@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from indoorfit.report import html_page, html_table, to_svg
+from indoorfit.report import Cell, Row, html_page, html_table, to_svg
 
 from .collect import Record, Tables
 from .plots import error_picture, reliability_picture
 
 _SHOWN = 500
 """Scans on the page; scans.csv has them all."""
-
-Cell = tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -75,17 +73,17 @@ def _figures(summary: Sequence[Record]) -> list[str]:
         "Held, %", "95 % interval, %", "E_n up to 1, %", "Score, mm", "Width, mm",
     )  # fmt: skip
     rows = [
-        [
-            ("id", r["config"]), ("", r["reference"]), ("", r["by"]), ("", r["group"]),
+        Row((
+            Cell(r["config"], "id"), Cell(r["reference"]), Cell(r["by"]), Cell(r["group"]),
             _number(r["lengths"], 0), _number(r["rooms"], 0), _mm(r["bias_m"]), _mm(r["rmse_m"]),
             _mm(r["mad_m"]), _percent(r["held"]), _range(r), _percent(r["agree"]), _mm(r["score_m"]),
             _mm(r["median_width_m"]),
-        ]
+        ))
         for r in summary
     ]  # fmt: skip
     return [
         "<section><h2>Figures</h2>",
-        html_table(head, rows),
+        html_table(head, rows, "Figures"),
         '<p class="quiet">Errors are model minus reference. MAD: median absolute deviation of the errors '
         "from their median. Held: share of the intervals that hold the reference as it is; its 95 % interval "
         "takes rooms, not lengths, as independent. Score: interval score (Gneiting and Raftery 2007): "
@@ -98,8 +96,8 @@ def _range(record: Record) -> Cell:
     if not math.isfinite(low):
         low, high = record["held_low"], record["held_high"]
     if not math.isfinite(low):
-        return "number", ""
-    return "number", f"{100 * low:.1f} to {100 * high:.1f}"
+        return Cell("", "number")
+    return Cell(f"{100 * low:.1f} to {100 * high:.1f}", "number")
 
 
 def _pairs(pairs: Sequence[Record]) -> list[str]:
@@ -110,20 +108,20 @@ def _pairs(pairs: Sequence[Record]) -> list[str]:
         "Median error first, mm", "Median error second, mm", "Rooms where first is better, %",
     )  # fmt: skip
     rows = [
-        [
-            ("id", p["first"]), ("id", p["second"]), _number(p["lengths"], 0), _number(p["rooms"], 0),
+        Row((
+            Cell(p["first"], "id"), Cell(p["second"], "id"), _number(p["lengths"], 0), _number(p["rooms"], 0),
             _mm(p["first_rmse_m"]), _mm(p["second_rmse_m"]), _mm(p["first_median_error_m"]),
             _mm(p["second_median_error_m"]),
-            ("number", f"{100 * p['first_better']:.0f} ({100 * p['first_better_low']:.0f} to "
-                       f"{100 * p['first_better_high']:.0f})"),
-        ]
+            Cell(f"{100 * p['first_better']:.0f} ({100 * p['first_better_low']:.0f} to "
+                 f"{100 * p['first_better_high']:.0f})", "number"),
+        ))
         for p in pairs
     ]  # fmt: skip
     note = (
         '<p class="quiet">Only lengths that both found; what one lost is in the table of scans. In brackets: '
         "95 % interval.</p></section>"
     )
-    return ["<section><h2>Side by side</h2>", html_table(head, rows), note]
+    return ["<section><h2>Side by side</h2>", html_table(head, rows, "Side by side"), note]
 
 
 def _pictures(lengths: Sequence[Record]) -> list[str]:
@@ -143,31 +141,31 @@ def _scans(scans: Sequence[Record]) -> list[str]:
     )  # fmt: skip
     structure = {True: "right", False: "wrong", None: ""}
     rows = [
-        [
-            ("id", s["scan"]), ("", s["config"]), ("", s["sensor"]),
-            ("" if s["state"] == "done" else "inferred", s["state"]), _number(s["walls"], 0),
-            ("inferred" if s["structure_right"] is False else "", structure[s["structure_right"]]),
+        Row((
+            Cell(s["scan"], "id"), Cell(s["config"]), Cell(s["sensor"]),
+            Cell(s["state"], "" if s["state"] == "done" else "inferred"), _number(s["walls"], 0),
+            Cell(structure[s["structure_right"]], "inferred" if s["structure_right"] is False else ""),
             _number(s["lengths"], 0), _number(s["lengths_lost"], 0), _mm(s["rmse_m"]), _percent(s["held"]),
-            ("", s["reason"] or s["faults"]),
-        ]
+            Cell(s["reason"] or s["faults"]),
+        ))
         for s in scans[:_SHOWN]
     ]  # fmt: skip
     more = f"<p>{len(scans) - _SHOWN} more in scans.csv.</p>" if len(scans) > _SHOWN else ""
-    return ["<section><h2>Scans</h2>", html_table(head, rows), more, "</section>"]
+    return ["<section><h2>Scans</h2>", html_table(head, rows, "Scans"), more, "</section>"]
 
 
 def _refused(refused: Sequence[Record]) -> list[str]:
     if not refused:
         return []
     rows = [
-        [("id", r["table"]), _number(r["line"], 0), ("", r["scan"]), ("", r["reason"])]
+        Row((Cell(r["table"], "id"), _number(r["line"], 0), Cell(r["scan"]), Cell(r["reason"])))
         for r in refused[:_SHOWN]
     ]
     more = f"<p>{len(refused) - _SHOWN} more in refused.csv.</p>" if len(refused) > _SHOWN else ""
     head = ("Table", "Line", "Scan", "Why it was not used")
     return [
         "<section><h2>Rows of tape tables that were not used</h2>",
-        html_table(head, rows),
+        html_table(head, rows, "Rows of tape tables that were not used"),
         more,
         "</section>",
     ]
@@ -175,8 +173,8 @@ def _refused(refused: Sequence[Record]) -> list[str]:
 
 def _number(value: Any, digits: int, factor: float = 1.0) -> Cell:
     if value is None or not math.isfinite(value):
-        return "number", ""
-    return "number", f"{factor * value:.{digits}f}"
+        return Cell("", "number")
+    return Cell(f"{factor * value:.{digits}f}", "number")
 
 
 def _mm(value_m: float) -> Cell:

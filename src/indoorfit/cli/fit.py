@@ -47,6 +47,8 @@ class FitCommand:
     report from chains that have not converged."""
     format: tuple[FormatName, ...] = ()
     """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
+    pdf: bool = False
+    """Also write report.pdf: plan, tables, warnings and provenance on A4; needs `indoorfit[plan]`."""
     seed: int | None = None
     """Seed of everything random; default 0."""
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
@@ -68,10 +70,10 @@ class FitCommand:
         from indoorfit.io import read_scan, read_tape
 
         check_output_directory(self.out, overwrite=self.overwrite)
-        if self.format:
+        if self.format or self.pdf:
             from indoorfit.pipeline import check_formats
 
-            check_formats(self.format)
+            check_formats(self.format, self.pdf)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
         given["sample"] = self.sample or None
         config = run_config(self.config, self.up, self.sensor, self.overrides, **given)
@@ -98,6 +100,7 @@ class FitCommand:
             overwrite=self.overwrite,
             as_json=self.json,
             formats=self.format,
+            pdf=self.pdf,
             registered=registered,
         )
 
@@ -132,6 +135,7 @@ def run_pipeline(
     overwrite: bool,
     as_json: bool,
     formats: tuple[FormatName, ...] = (),
+    pdf: bool = False,
     registered: Path | None = None,
 ) -> int:
     """Fit, write and print; returns 0, or 3 where the model is not sound."""
@@ -154,7 +158,7 @@ def run_pipeline(
     if registered is not None:
         _write_registered(scan, result, registered, overwrite=overwrite)
     with announced("write"):
-        write_outputs(result, out, scan, overwrite=overwrite, formats=formats)
+        write_outputs(result, out, scan, overwrite=overwrite, formats=formats, pdf=pdf)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
         sys.stdout.write("\n")

@@ -96,3 +96,7 @@ def _run() -> int:
         end_logging()
         # Now and not at the interpreter's end, where a closed pipe could only be complained of.
         sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

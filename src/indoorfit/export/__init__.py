@@ -21,6 +21,8 @@ from .numbers import half_width as half_width
 from .numbers import quantity_text as quantity_text
 from .obj import write_obj as write_obj
 from .palette import face_colour as face_colour
+from .parts import FacePart as FacePart
+from .parts import face_parts as face_parts
 from .ply import write_mesh_ply as write_mesh_ply
 from .stl import write_stl as write_stl
 from .threemf import write_3mf as write_3mf

@@ -117,12 +117,18 @@ def format_of(path: Path, name: FormatName | None = None) -> Format:
     )
 
 
-def check_formats(names: Sequence[FormatName]) -> None:
+def check_formats(names: Sequence[FormatName], report_pdf: bool = False) -> None:
     """Raise now what writing would raise for want of a library, so that no long run ends in it.
+
+    Args:
+        names: of the formats that are to be written.
+        report_pdf: whether the report is to be written as PDF, too.
 
     Raises:
         OutputError: a library is not installed.
     """
+    if report_pdf:
+        optional_module("reportlab", "plan", "report.pdf")
     for name in names:
         wanted = FORMATS[name]
         if wanted.library is not None:

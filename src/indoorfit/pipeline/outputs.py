@@ -7,7 +7,15 @@ from indoorfit.export import write_dimensions_csv, write_glb, write_images, writ
 from indoorfit.files import FormatName, atomic_directory
 from indoorfit.io import write_model_json
 from indoorfit.model import FitResult, Scan
-from indoorfit.report import plan_picture, render_png, report_html, to_svg, write_picture_png
+from indoorfit.report import (
+    plan_picture,
+    render_png,
+    report_html,
+    report_pdf,
+    residuals_of,
+    to_svg,
+    write_picture_png,
+)
 
 from .formats import FORMATS
 
@@ -19,6 +27,7 @@ def write_outputs(
     *,
     overwrite: bool,
     formats: Sequence[FormatName] = (),
+    pdf: bool = False,
 ) -> None:
     """Write model.json, GLB, VRML, OBJ, textures, the dimension table, the plan, a view and the report.
 
@@ -28,9 +37,11 @@ def write_outputs(
         scan: drawn faintly behind the plan where given.
         overwrite: replace an earlier result in the same place.
         formats: further files, of the formats that are not written anyway.
+        pdf: write the report as report.pdf, too.
 
     Raises:
-        OutputError: the directory exists without `overwrite`, or cannot be written.
+        OutputError: the directory exists without `overwrite`, or cannot be written, or a library that a
+            format needs is not installed.
     """
     points_m = None if scan is None else scan.points_m
     with atomic_directory(directory, overwrite=overwrite) as out:
@@ -46,7 +57,10 @@ def write_outputs(
         (out / "plan.svg").write_text(drawing, encoding="utf-8")
         write_picture_png(out / "plan.png", picture)
         render_png(out / "view.png", result)
-        (out / "report.html").write_text(report_html(result, drawing), encoding="utf-8")
+        residuals = None if points_m is None else residuals_of(result, points_m)
+        (out / "report.html").write_text(report_html(result, drawing, residuals), encoding="utf-8")
+        if pdf:
+            (out / "report.pdf").write_bytes(report_pdf(result, picture))
         for name in formats:
             target = out / FORMATS[name].file_name
             if not target.exists():

@@ -16,9 +16,11 @@ from .figures import figure_bytes as figure_bytes
 from .figures import normal_scatter as normal_scatter
 from .figures import residual_histogram as residual_histogram
 from .figures import step_figures as step_figures
+from .html_table import Cell as Cell
+from .html_table import Row as Row
+from .html_table import html_table as html_table
 from .layout import UNIT_MM as UNIT_MM
 from .markup import html_page as html_page
-from .markup import html_table as html_table
 from .notebook import notebook_html as notebook_html
 from .page import report_html as report_html
 from .pdf import to_pdf as to_pdf
@@ -28,6 +30,7 @@ from .plan import write_picture_png as write_picture_png
 from .plan import write_plan_png as write_plan_png
 from .render import View as View
 from .render import render_png as render_png
+from .report_pdf import report_pdf as report_pdf
 from .residuals import Residuals as Residuals
 from .residuals import residuals_of as residuals_of
 from .sheet import Sheet as Sheet

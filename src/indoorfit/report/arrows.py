@@ -30,7 +30,8 @@ INFERRED = "#b4540a"
 class Span:
     """One distance to draw; dimensions between the same two faces share it."""
 
-    ids: str
+    dimensions: tuple[str, ...]
+    """Their ids."""
     text: str
     axis: int
     """Page axis along which it is measured."""
@@ -42,6 +43,11 @@ class Span:
     """Walls whose clear length it is."""
     room: str
     inferred: bool
+
+    @property
+    def ids(self) -> str:
+        """The ids as drawn."""
+        return ", ".join(self.dimensions)
 
     @property
     def label(self) -> str:
@@ -87,7 +93,7 @@ def _span(group: list[Dimension], outline: Outline) -> Span | None:
     own = [outline.wall(d.wall) for d in group if d.wall is not None]
     text = quantity_text(first.quantity)
     return Span(
-        ids=", ".join(d.id for d in group),
+        dimensions=tuple(d.id for d in group),
         text=f"{text.value} {text.spread if text.half_width else f'({text.spread})'}",
         axis=low.axis,
         low=low.at,
@@ -253,18 +259,19 @@ def _oriented(span: Span, along0: float, along1: float, across0: float, across1:
 def draw_placement(placement: Placement) -> Iterator[Item]:
     """Extension lines, dimension line with arrow heads, and the text with its id in colour."""
     span, at = placement.span, placement.at
-    colour = INFERRED if span.inferred else LINE
+    colour, shows = INFERRED if span.inferred else LINE, span.dimensions
     for end in span.ends:
         start = extension_start(end, at)
         if start is not None:
             over = at + (2.0 if at > start else -2.0)
-            yield Stroke(_points(span, [(end.at, start), (end.at, over)]), colour, 0.6)
+            yield Stroke(_points(span, [(end.at, start), (end.at, over)]), colour, 0.6, shows=shows)
     short = span.high - span.low < 24.0
     tail = 12.0 if short else 0.0
-    yield Stroke(_points(span, [(span.low - tail, at), (span.high + tail, at)]), colour, 0.9)
+    yield Stroke(_points(span, [(span.low - tail, at), (span.high + tail, at)]), colour, 0.9, shows=shows)
     for tip, direction in ((span.low, 1.0), (span.high, -1.0)):
         back = tip + direction * (-7.0 if short else 7.0)
-        yield Region((_points(span, [(tip, at), (back, at - 2.2), (back, at + 2.2)]),), colour)
+        head = _points(span, [(tip, at), (back, at - 2.2), (back, at + 2.2)])
+        yield Region((head,), colour, shows=shows)
     yield from _draw_text(placement)
 
 
@@ -277,7 +284,7 @@ def _draw_text(placement: Placement) -> Iterator[Item]:
     for text, start, colour in ((span.ids, -0.5 * whole, accent), (span.text, first - 0.5 * whole, TEXT)):
         if text:
             corner = (x, y - start) if placement.upright else (x + start, y)
-            yield Label(text, corner, SIZE, colour, "start", placement.upright, halo="#ffffff")
+            yield Label(text, corner, SIZE, colour, "start", placement.upright, "#ffffff", span.dimensions)
 
 
 def _points(span: Span, pairs: list[tuple[float, float]]) -> np.ndarray:

@@ -27,6 +27,8 @@ class Region:
     stroke: str | None = None
     width: float = 0.0
     """Of the outline, centred on the rings, with mitred corners."""
+    shows: tuple[str, ...] = ()
+    """Ids of the faces or dimensions that this is a picture of, for pages that point them out."""
 
     def box(self) -> Box:
         """Bounds without the outline."""
@@ -46,6 +48,8 @@ class Stroke:
     width: float
     dash: tuple[float, float] | None = None
     """Lengths of ink and gap."""
+    shows: tuple[str, ...] = ()
+    """As in `Region`."""
 
     def box(self) -> Box:
         """Bounds without the width."""
@@ -87,6 +91,8 @@ class Label:
     """True for text that reads from bottom to top."""
     halo: str | None = None
     """Colour of an outline that sets the text off from what lies behind it."""
+    shows: tuple[str, ...] = ()
+    """As in `Region`."""
 
     def box(self) -> Box:
         """Bounds of the text, ascenders and descenders included."""

@@ -95,7 +95,7 @@ def name_walls(outline: Outline, board: Board, short: bool) -> Iterator[Item]:
         if taste >= _LEADER:
             yield Stroke(np.array([_middle(wall), _nearest(box, _middle(wall))]), colour, 0.6)
         background = FLOOR if outline.room_at(*at) else "#ffffff"
-        yield Label(text, at, _WALL_SIZE, colour, "middle", upright, halo=background)
+        yield Label(text, at, _WALL_SIZE, colour, "middle", upright, background, (wall.id,))
 
 
 def _best_name(

@@ -9,7 +9,7 @@ from indoorfit.export import quantity_text
 from indoorfit.model import Dimension, FitResult
 
 from .facts import level_text
-from .markup import html_table
+from .html_table import Cell, Row, html_table
 from .plan import plan_svg
 from .table import what_is_measured
 
@@ -22,18 +22,19 @@ def notebook_html(result: FitResult, points_m: Float[np.ndarray, "points 3"] | N
         points_m: the scan, scan frame, metres; drawn faintly behind the plan.
     """
     head = ("", "length", "value, m", f"interval at {level_text(result.level)}", "status")
-    table = html_table(head, [_row(d, len(result.rooms) > 1) for d in result.dimensions])
+    table = html_table(head, [_row(d, len(result.rooms) > 1) for d in result.dimensions], "Lengths")
     notes = "".join(f"<p><b>{escape(n.code)}</b> {escape(n.message)}</p>" for n in result.notes)
     doubt = "" if result.converged else "<p><b>Not sound:</b> use these numbers with care.</p>"
     return f"{plan_svg(result, points_m)}{doubt}{table}{notes}"
 
 
-def _row(dimension: Dimension, with_room: bool) -> list[tuple[str, str]]:
+def _row(dimension: Dimension, with_room: bool) -> Row:
     text = quantity_text(dimension.quantity)
-    return [
-        ("id", dimension.id),
-        ("", what_is_measured(dimension, with_room)),
-        ("number", text.value),
-        ("number", text.spread),
-        ("", dimension.status),
-    ]
+    cells = (
+        Cell(dimension.id, "id"),
+        Cell(what_is_measured(dimension, with_room)),
+        Cell(text.value, "number"),
+        Cell(text.spread, "number"),
+        Cell(dimension.status),
+    )
+    return Row(cells)

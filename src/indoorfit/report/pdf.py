@@ -26,33 +26,42 @@ def to_pdf(picture: Picture, unit_mm: float) -> bytes:
     Raises:
         OutputError: reportlab is not installed.
     """
-    canvas = optional_module("reportlab.pdfgen.canvas", "plan", "PDF")
-    page = _Page(canvas, picture, unit_mm / 25.4 * 72.0)
+    library = optional_module("reportlab.pdfgen.canvas", "plan", "PDF")
+    unit_pt = unit_mm / 25.4 * 72.0
+    buffer = io.BytesIO()
+    size = (picture.width * unit_pt, picture.height * unit_pt)
+    # Invariant: no dates and ids, so the same plan gives the same bytes.
+    canvas = library.Canvas(buffer, pagesize=size, invariant=1)
+    canvas.setTitle(picture.title)
+    canvas.setSubject(picture.description)
+    canvas.setCreator("indoorfit")
+    draw_picture(canvas, picture, unit_pt)
+    canvas.showPage()
+    canvas.save()
+    return buffer.getvalue()
+
+
+def draw_picture(canvas: Any, picture: Picture, unit_pt: float) -> None:
+    """Draw with the lower left corner at the canvas' origin.
+
+    Args:
+        canvas: of reportlab.
+        picture: what to draw.
+        unit_pt: length of a page unit in points.
+    """
+    canvas.setLineJoin(0)
+    page = _Page(canvas, picture, unit_pt)
     for item in picture.items:
         page.draw(item)
-    return page.content()
 
 
 class _Page:
     """A reportlab canvas in page units, y down."""
 
     def __init__(self, canvas: Any, picture: Picture, unit_pt: float) -> None:
-        self._buffer = io.BytesIO()
+        self._canvas = canvas
         self._unit_pt = unit_pt
         self._height_pt = picture.height * unit_pt
-        size = (picture.width * unit_pt, self._height_pt)
-        # Invariant: no dates and ids, so the same plan gives the same bytes.
-        self._canvas = canvas.Canvas(self._buffer, pagesize=size, invariant=1)
-        self._canvas.setTitle(picture.title)
-        self._canvas.setSubject(picture.description)
-        self._canvas.setCreator("indoorfit")
-        self._canvas.setLineJoin(0)
-
-    def content(self) -> bytes:
-        """The file."""
-        self._canvas.showPage()
-        self._canvas.save()
-        return self._buffer.getvalue()
 
     def draw(self, item: Item) -> None:
         """Put one item on the page."""

@@ -125,11 +125,11 @@ def _walls(outline: Outline) -> list[Item]:
     for wall in sorted(outline.walls, key=lambda wall: wall.inferred):
         if wall.inferred:
             items.append(Stroke(wall.points(), _PAPER, 3.0))
-            items.append(Stroke(wall.points(), INFERRED, 2.2, dash=(8.0, 5.0)))
+            items.append(Stroke(wall.points(), INFERRED, 2.2, (8.0, 5.0), (wall.id,)))
         else:
             # Square ends, so that corners close.
             reach = np.array([-1.0, 1.0])[:, None] * (np.arange(2) == 1 - wall.axis)
-            items.append(Stroke(wall.points() + reach, _WALL, 2.0))
+            items.append(Stroke(wall.points() + reach, _WALL, 2.0, shows=(wall.id,)))
     return items
 
 

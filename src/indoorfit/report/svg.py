@@ -41,11 +41,12 @@ def _element(item: Item) -> str:
         case Region():
             path = "".join(f"M{_points(ring)}Z" for ring in item.rings)
             outline = f' stroke="{item.stroke}" stroke-width="{item.width:g}"' if item.stroke else ""
-            return f'<path d="{path}" fill="{item.fill or "none"}" fill-rule="evenodd"{outline}/>'
+            fill = f'fill="{item.fill or "none"}" fill-rule="evenodd"'
+            return f'<path d="{path}" {fill}{outline}{_shows(item.shows)}/>'
         case Stroke():
             dash = f' stroke-dasharray="{item.dash[0]:g} {item.dash[1]:g}"' if item.dash else ""
             ink = f'stroke="{item.colour}" stroke-width="{item.width:g}"{dash}'
-            return f'<path d="M{_points(item.points)}" fill="none" {ink}/>'
+            return f'<path d="M{_points(item.points)}" fill="none" {ink}{_shows(item.shows)}/>'
         case Dots():
             return _dots(item)
         case Label():
@@ -72,7 +73,11 @@ def _label(label: Label) -> str:
     # The layout counts on the width, whatever font the viewer has.
     width = f'textLength="{text_width(label.text, label.size):.2f}" lengthAdjust="spacingAndGlyphs"'
     look = f'font-size="{label.size:g}" fill="{label.colour}" text-anchor="{label.anchor}" {width}{halo}'
-    return f'<text {place} {look} xml:space="preserve">{_text(label.text)}</text>'
+    return f'<text {place} {look} xml:space="preserve"{_shows(label.shows)}>{_text(label.text)}</text>'
+
+
+def _shows(ids: tuple[str, ...]) -> str:
+    return f" data-shows={quoteattr(' '.join(ids))}" if ids else ""
 
 
 def _points(points: Float[np.ndarray, "points 2"]) -> str:

@@ -7,7 +7,7 @@ from indoorfit.export import quantity_text
 from indoorfit.model import Dimension, FitResult, TapeCheck, TapeVerdict
 
 from .facts import level_text
-from .markup import html_table
+from .html_table import Cell, Row, html_table
 
 
 def tape_spread_m(check: TapeCheck) -> float:
@@ -53,27 +53,27 @@ def tape_section(result: FitResult) -> list[str]:
     tape = result.tape
     known = {d.id: d for d in result.dimensions}
     rows = [
-        (
-            ("id", check.dimension),
-            *_value_cells(known[check.dimension]),
-            ("number", f"{check.value_m:.4f} ± {tape_spread_m(check):.4f}"),
-            ("number", f"{1e3 * check.deviation_m:+.1f}"),
-            ("number", f"{check.e_n:.2f}"),
-            ("" if check.holds else "inferred", "yes" if check.holds else "no"),
+        Row(
+            (
+                Cell(check.dimension, "id"),
+                *_value_cells(known[check.dimension]),
+                Cell(f"{check.value_m:.4f} ± {tape_spread_m(check):.4f}", "number", sort=check.value_m),
+                Cell(f"{1e3 * check.deviation_m:+.1f}", "number"),
+                Cell(f"{check.e_n:.2f}", "number"),
+                Cell("yes" if check.holds else "no", "" if check.holds else "inferred"),
+            ),
+            pick=check.dimension,
         )
         for check in tape.checks
     ]
     head = (
-        "Id",
-        "Value, m",
-        f"Interval, {level_text(result.level)}",
-        "Tape, m (95 %)",
-        "Model minus tape, mm",
-    )
+        "Id", "Value, m", f"Interval, {level_text(result.level)}", "Tape, m (95 %)", "Model minus tape, mm",
+        "E_n", "Interval holds it",
+    )  # fmt: skip
     parts = [
-        "<section><h2>Against the tape</h2>",
+        '<section id="tape"><h2>Against the tape</h2>',
         f"<p>{escape(tape_summary(tape))}</p>",
-        html_table((*head, "E_n", "Interval holds it"), rows) if rows else "",
+        html_table(head, rows, "Lengths against the tape", sortable=True) if rows else "",
         '<p class="quiet">E_n = |model minus tape| / √(U² + U_tape²), both at 95 %: up to 1 the two agree. '
         "The last column asks whether the model's interval alone holds the reading.</p>",
     ]
@@ -81,6 +81,6 @@ def tape_section(result: FitResult) -> list[str]:
     return [*parts, f"<p>Rows that were not used:</p><ul>{refused}</ul>" if refused else "", "</section>"]
 
 
-def _value_cells(dimension: Dimension) -> tuple[tuple[str, str], ...]:
+def _value_cells(dimension: Dimension) -> tuple[Cell, Cell]:
     text = quantity_text(dimension.quantity)
-    return ("number", text.value), ("number", text.spread)
+    return Cell(text.value, "number"), Cell(text.spread, "number")
