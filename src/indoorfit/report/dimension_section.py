@@ -78,6 +78,12 @@ def _budget_cells(quantity: Quantity) -> tuple[Cell, ...]:
         return nothing, nothing, nothing, k, nothing
     parts = (budget.data_std, budget.scale_std, budget.definition_std)
     finite = math.isfinite(budget.effective_dof)
-    dof = f"{budget.effective_dof:.0f}" if finite else "∞"
+    # Beyond ten thousand the quantile is the normal one to all digits that are shown.
+    dof = "∞" if not finite else f"{budget.effective_dof:.0f}" if budget.effective_dof < 1e4 else "> 9999"
     last = Cell(dof, "number", sort=budget.effective_dof if finite else 1e300)
-    return (*(Cell(f"{1e3 * part:.2g}", "number") for part in parts), k, last)
+    return (*(Cell(_mm_text(1e3 * part), "number") for part in parts), k, last)
+
+
+def _mm_text(value_mm: float) -> str:
+    """Two significant digits, never as a power of ten."""
+    return f"{value_mm:.2g}" if value_mm < 99.5 else f"{value_mm:.0f}"

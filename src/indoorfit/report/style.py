@@ -26,7 +26,7 @@ th { font-weight: 600; color: var(--quiet); vertical-align: bottom; }
 td { overflow-wrap: break-word; }
 td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
 td.number, td.id { white-space: nowrap; }
-td.what { min-width: 14rem; }
+td.what { min-width: 17rem; }
 td.id, td.id button { color: var(--accent); font-weight: 600; }
 td.inferred { color: var(--warn); font-weight: 600; }
 tr[data-pick] { cursor: pointer; }
