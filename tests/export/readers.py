@@ -1,6 +1,7 @@
 """Every 3D format read back by a library or a parser that is not ours, into one simple form."""
 
 import json
+import os
 import re
 import struct
 import xml.etree.ElementTree as ET
@@ -15,6 +16,7 @@ import ifcopenshell.geom
 import ifcopenshell.util.element
 import numpy as np
 import plyfile
+import pytest
 import trimesh
 
 
@@ -195,6 +197,30 @@ def read_x3d(path: Path) -> Surface:
     return Surface(faces, tuple(rooms))
 
 
+def read_vrml(path: Path) -> Surface:
+    """By the importer of VTK, which has a parser of VRML97 of its own."""
+    # Nothing is drawn, but the importer wants a window to draw in; this one needs no screen.
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
+    vtk = pytest.importorskip("vtk", reason="the independent reader of VRML97 is not installed: vtk")
+    importer = vtk.vtkVRMLImporter()
+    importer.SetFileName(str(path))
+    importer.Update()
+    text = path.read_text(encoding="utf-8")
+    # VTK keeps 32 bits of the offset; the text has all digits.
+    offset = np.array([float(x) for x in re.search(r"Transform \{\s*translation (.*)", text)[1].split()])
+    faces = {}
+    for name in re.findall(r"DEF (\S+) Shape", text):
+        actor = importer.GetVRMLDEFObject(name)
+        np.testing.assert_allclose(actor.GetPosition(), offset, rtol=1e-7, atol=1e-7)
+        mesh = actor.GetMapper().GetInput()
+        points = np.array([mesh.GetPoint(k) for k in range(mesh.GetNumberOfPoints())])
+        # GetCell hands out one and the same object again and again.
+        corners = [[mesh.GetCell(k).GetPointId(i) for i in range(3)] for k in range(mesh.GetNumberOfCells())]
+        faces[name] = loops_of(points + offset, np.array(corners))
+    assert importer.GetRenderer().GetActors().GetNumberOfItems() == len(faces)
+    return Surface(faces, tuple(re.findall(r"DEF (\S+) Group", text)))
+
+
 def mf_strings(text: str) -> list[str]:
     return [re.sub(r"\\(.)", r"\1", piece) for piece in re.findall(r'"((?:[^"\\]|\\.)*)"', text, re.DOTALL)]
 
@@ -241,9 +267,10 @@ OUTWARD = {"stl", "3mf", "cityjson"}
 """Formats of bodies; the others hold the surface that looks into the room."""
 
 # How far a corner may be off, metres. Text holds all digits of a float64, of which 5e6 m leave 1e-9 m;
-# float32 within 16 m of the origin 5e-7 m an axis; CityJSON counts in 1e-7 m; the IFC kernel joins within
+# float32 (VTK has it, too) within 16 m of the origin 5e-7 m an axis; CityJSON counts in 1e-7 m; the IFC
+# kernel joins within
 # 1e-6 m.
-TOLERANCE_M = {"glb": 1e-6, "cityjson": 1e-7, "ifc": 2e-6}
+TOLERANCE_M = {"glb": 1e-6, "vrml": 1e-6, "cityjson": 1e-7, "ifc": 2e-6}
 TEXT_TOLERANCE_M = 5e-9
 
 READERS: dict[str, Callable[[Path], Surface]] = {
@@ -253,6 +280,7 @@ READERS: dict[str, Callable[[Path], Surface]] = {
     "3mf": read_3mf,
     "dae": read_dae,
     "x3d": read_x3d,
+    "vrml": read_vrml,
     "ifc": read_ifc,
     "cityjson": read_cityjson,
 }

@@ -93,13 +93,14 @@ def hostile(result: FitResult, longest: int) -> FitResult:
     )
 
 
-@pytest.mark.parametrize("name", [*NAMES, "vrml", "dxf", "pdf", "svg", "csv"])
+@pytest.mark.parametrize("name", [*NAMES, "dxf", "pdf", "svg", "csv"])
 def test_ids_cannot_break_a_format(name, tmp_path):
     # Paper ends somewhere.
     longest = 40 if name in ("pdf", "svg") else 400
     result = hostile(make_result(*FLAT), longest)
     path = written(name, result, tmp_path)
-    if name in NAMES:
+    # VTK cannot read quotes within texts, which VRML97 allows (5.8).
+    if name in NAMES and name != "vrml":
         surface = read_surface(name, path, result.frame.R_manhattan_scan)
         assert len(surface.faces) == len(result.faces)
         assert len(surface.rooms) == len(result.rooms)

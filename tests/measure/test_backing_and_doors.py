@@ -98,6 +98,7 @@ def test_an_open_door_is_found_where_it_is(thick_m, between):
     assert door.evidence == ("holes", *between)
     # To the nearest points of the wall: their spacing and the noise, on either side.
     assert door.width_m == pytest.approx(0.9, abs=2 * SPACING_M + 0.02)
+    assert door.height_m == pytest.approx(2.05, abs=SPACING_M + 0.02)
     sill_m = FRAME.to_manhattan(door.sill_m)
     np.testing.assert_allclose(sill_m, (4.0 + 0.5 * thick_m, 1.45, 0.0), atol=SPACING_M + 0.01)
 
@@ -115,6 +116,12 @@ def test_an_open_door_is_found_where_it_is(thick_m, between):
 def test_what_is_no_door_is_not_called_one(hole, between):
     shape = two_rooms(0.15)
     assert doors_of(shape, wall_points(shape, hole, between)) == ()
+
+
+def test_a_door_up_to_the_ceiling_has_no_height():
+    shape = two_rooms(0.15)
+    (door,) = doors_of(shape, wall_points(shape, (1.0, 1.9, 0.0, 2.6), ("floor", "reveal")))
+    assert door.height_m is None
 
 
 def test_a_cupboard_before_one_face_makes_no_door():

@@ -55,4 +55,5 @@ def test_every_door_between_two_rooms_is_told(fitted):
         # Places and widths are read off cells of 10 cm and the points at their ends.
         assert np.linalg.norm(nearest.sill_m - door.sill_m) < 0.1
         assert nearest.width_m == pytest.approx(door.width_m, abs=0.2)
+        assert nearest.height_m == pytest.approx(door.height_m, abs=0.2)
         assert set(nearest.evidence) > {"holes"}

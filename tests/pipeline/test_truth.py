@@ -146,6 +146,7 @@ def test_doors_between_rooms_are_told_once_and_lie_where_the_scene_has_them():
     for door, opening in zip(truth.adjacency, joining, strict=True):
         # Rounding of coordinates of some metres.
         assert door.width_m == pytest.approx(opening.width_m, abs=1e-12)
+        assert door.height_m == pytest.approx(opening.top_m - opening.bottom_m, abs=1e-9)
         np.testing.assert_allclose(virtual.frame.to_manhattan(door.sill_m)[:2], opening.centre_m, atol=1e-9)
     # Not every wall was seen from both sides in this scan; the scene as such has two partitions.
     whole = truth_result(virtual.shape, virtual.frame, {}, 0)

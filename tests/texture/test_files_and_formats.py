@@ -4,15 +4,27 @@ import io
 import json
 import re
 import struct
+import warnings
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
+import collada
 import numpy as np
 import pytest
 import trimesh
+from gltf_validator import assert_nothing_found
 from PIL import Image
 from rooms import BOX, FLAT, L_ROOM, PILLAR, make_result
 
-from indoorfit.export import T_scan_gltf, write_glb, write_images, write_obj, write_vrml
+from indoorfit.export import (
+    T_scan_gltf,
+    write_collada,
+    write_glb,
+    write_images,
+    write_obj,
+    write_vrml,
+    write_x3d,
+)
 from indoorfit.io import read_model_json, write_model_json
 from indoorfit.model import FaceTexture
 from indoorfit.texture import TextureConfig, pack
@@ -136,6 +148,53 @@ def test_vrml_shows_the_pattern_where_it_belongs(plans, tmp_path):
         uv = numbers(shape, "TextureCoordinate { point", 2)
         corners = numbers(shape, "coordIndex", 4).astype(int)[:, :3]
         assert_pattern(Image.open(tmp_path / url).convert("RGB"), uv[corners], points_m[corners], "single")
+
+
+def test_x3d_shows_the_pattern_where_it_belongs(plans, tmp_path):
+    result = textured(plans, STYLES["single"])
+    write_images(tmp_path, result)
+    write_x3d(tmp_path / "model.x3d", result)
+    shapes = list(ET.parse(tmp_path / "model.x3d").getroot().iter("Shape"))
+    assert len(shapes) == len(result.faces)
+    for shape in shapes:
+        mesh = shape.find("IndexedFaceSet")
+        # The coordinates are the scan's less its origin, which the Transform above carries.
+        points_m = of_text(mesh.find("Coordinate").get("point"), 3) @ result.frame.R_manhattan_scan.T
+        uv = of_text(mesh.find("TextureCoordinate").get("point"), 2)
+        corners = of_text(mesh.get("coordIndex"), 4).astype(int)[:, :3]
+        image = Image.open(tmp_path / shape.find("Appearance/ImageTexture").get("url").strip('"'))
+        assert_pattern(image.convert("RGB"), uv[corners], points_m[corners], "single")
+
+
+@pytest.mark.parametrize("style", ["single", "atlas"])
+def test_collada_shows_the_pattern_where_it_belongs(plans, style, tmp_path):
+    result = textured(plans, STYLES[style])
+    write_images(tmp_path, result)
+    write_collada(tmp_path / "model.dae", result)
+    with warnings.catch_warnings():
+        # pycollada still multiplies numpy's old matrices.
+        warnings.simplefilter("ignore", PendingDeprecationWarning)
+        scene = collada.Collada(str(tmp_path / "model.dae")).scene
+        drawn = [p for geometry in scene.objects("geometry") for p in geometry.primitives()]
+    assert len(drawn) == len(result.faces)
+    for primitive in drawn:
+        image = Image.open(tmp_path / primitive.material.effect.diffuse.sampler.surface.image.path)
+        uv = primitive.texcoordset[0][primitive.texcoord_indexset[0]]
+        points_m = np.asarray(primitive.vertex[primitive.vertex_index], float)
+        assert_pattern(image.convert("RGB"), np.asarray(uv, float), points_m, style)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_gltf_validator_finds_nothing_in_textured_models(style, tmp_path):
+    write_glb(tmp_path / "model.glb", textured((L_ROOM,), STYLES[style]))
+    # Sides that are no powers of two are allowed, and told of as information: --power-of-two is for those
+    # who need them.
+    allowed = () if STYLES[style].power_of_two else ("IMAGE_NPOT_DIMENSIONS",)
+    assert_nothing_found(tmp_path / "model.glb", *allowed)
+
+
+def of_text(text, width):
+    return np.array(text.split(), float).reshape(-1, width)
 
 
 def numbers(text, field, width):

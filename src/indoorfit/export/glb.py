@@ -23,6 +23,9 @@ _R_GLTF_MANHATTAN = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]
 
 _WEBP = "EXT_texture_webp"
 
+_ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
+"""What a buffer view holds, attributes of vertices or indices (glTF 2.0, 5.11.5); trimesh leaves it open."""
+
 
 def T_scan_gltf(result: FitResult) -> Float[np.ndarray, "4 4"]:
     """The pose of the file's coordinates: ``p_scan = T_scan_gltf @ (p_gltf, 1)``, metres, float64."""
@@ -61,6 +64,7 @@ def write_glb(path: Path, result: FitResult) -> None:
 
     def annotate(tree: dict[str, Any]) -> None:
         _annotate(tree, result)
+        _target(tree)
         _describe(tree, result)
 
     content = scene.export(
@@ -104,6 +108,15 @@ def _embed_images(buffers: MutableMapping[Any, bytes], tree: dict[str, Any], tex
             source = {"extensions": {_WEBP: source}}
             tree["extensionsUsed"] = tree["extensionsRequired"] = [_WEBP]
         tree["textures"].append({"sampler": 0, **source})
+
+
+def _target(tree: dict[str, Any]) -> None:
+    """Say of every buffer view what it is for, so that viewers can hand it on as it is."""
+    for mesh in tree["meshes"]:
+        for part in mesh["primitives"]:
+            uses = [(number, _ARRAY_BUFFER) for number in part["attributes"].values()]
+            for number, target in [*uses, (part["indices"], _ELEMENT_ARRAY_BUFFER)]:
+                tree["bufferViews"][tree["accessors"][number]["bufferView"]]["target"] = target
 
 
 def _describe(tree: dict[str, Any], result: FitResult) -> None:

@@ -226,6 +226,7 @@ def _doorway(doorway: Doorway) -> dict[str, Any]:
         "faces": list(doorway.faces),
         "sill": _numbers(doorway.sill_m),
         "width": float(doorway.width_m),
+        **({} if doorway.height_m is None else {"height": float(doorway.height_m)}),
         "evidence": list(doorway.evidence),
     }
 

@@ -254,6 +254,7 @@ def _doorway(node: JsonNode, room_ids: tuple[str, ...], face_ids: tuple[str, ...
         sill_m=node["sill"].array(3),
         width_m=node["width"].number(),
         evidence=tuple(item.choice(*get_args(DoorEvidence)) for item in node["evidence"].items()),
+        height_m=node["height"].number() if "height" in node.mapping() else None,
     )
 
 

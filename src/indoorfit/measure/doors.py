@@ -25,6 +25,8 @@ _FLOOR_M = 0.10
 """Thresholds are lower."""
 _SHARE = 0.3
 """Share of the columns of an opening that must show floor between the faces."""
+_LINTEL = 0.5
+"""Share of the columns of an opening from which on a row of cells is wall again."""
 _MIN_REVEAL = 3
 """Least number of cells of jamb or lintel: one is a stray point."""
 
@@ -53,7 +55,9 @@ def find_doors(
         for opening in _openings(near, backing, faces_m, cell_m):
             evidence = _evidence(near, backing, faces_m, opening, cell_m)
             if evidence:
-                doors.append(_doorway(frame, backing, faces_m, opening, evidence, len(doors) + 1))
+                height_m = _height_m(near, backing, faces_m, opening, cell_m)
+                number = len(doors) + 1
+                doors.append(_doorway(frame, backing, faces_m, opening, height_m, evidence, number))
     return tuple(doors)
 
 
@@ -78,10 +82,9 @@ def _openings(
     edges_m = np.linspace(*backing.span_m, n + 1)
     floor_m = backing.rise_m[0]
     band = (near_m[:, 2] > floor_m + _BAND_M[0]) & (near_m[:, 2] < floor_m + _BAND_M[1])
-    reach_m = min(_EVEN_M, 0.4 * (faces_m[1] - faces_m[0]))
     is_open, on_wall = np.ones(n, bool), np.zeros(len(near_m), bool)
     for face_m in faces_m:
-        on_face = band & (np.abs(near_m[:, 0] - face_m) < reach_m)
+        on_face = band & (np.abs(near_m[:, 0] - face_m) < _reach_m(faces_m))
         is_open &= _column_share(near_m[on_face], edges_m, floor_m, cell_m) <= _FILLED
         on_wall |= on_face
     steps = np.diff(np.pad(is_open.astype(int), 1))
@@ -107,6 +110,33 @@ def _column_share(
     seen: Bool[np.ndarray, "n rows"] = np.zeros((n, rows), bool)
     seen[column, row] = True
     return seen.mean(axis=1)
+
+
+def _height_m(
+    near_m: Float[np.ndarray, "near 3"],
+    backing: Backing,
+    faces_m: Sequence[float],
+    opening: tuple[float, float],
+    cell_m: float,
+) -> float | None:
+    """From the floor to the lowest points of the first row of cells that is wall again; None without one."""
+    low_m, high_m = backing.rise_m[0] + _BAND_M[1], backing.rise_m[1]
+    n = max(1, int((opening[1] - opening[0]) / cell_m))
+    on_face = np.min(np.abs(near_m[:, :1] - np.array(faces_m)), axis=1) < _reach_m(faces_m)
+    over = on_face & (near_m[:, 1] > opening[0]) & (near_m[:, 1] < opening[1]) & (near_m[:, 2] > low_m)
+    along = np.clip((n * (near_m[over, 1] - opening[0]) / (opening[1] - opening[0])).astype(int), 0, n - 1)
+    up_m = near_m[over, 2]
+    # What is as high as the ceiling is its edge, not a lintel.
+    for bottom_m in np.arange(low_m, high_m - cell_m, cell_m):
+        in_row = (up_m >= bottom_m) & (up_m < bottom_m + cell_m)
+        if len(np.unique(along[in_row])) >= _LINTEL * n:
+            return float(up_m[in_row].min() - backing.rise_m[0])
+    return None
+
+
+def _reach_m(faces_m: Sequence[float]) -> float:
+    """How near to a face a point is the wall's and not that of its other side."""
+    return min(_EVEN_M, 0.4 * (faces_m[1] - faces_m[0]))
 
 
 def _evidence(
@@ -139,6 +169,7 @@ def _doorway(
     backing: Backing,
     faces_m: Sequence[float],
     opening: tuple[float, float],
+    height_m: float | None,
     evidence: tuple[DoorEvidence, ...],
     number: int,
 ) -> Doorway:
@@ -153,4 +184,5 @@ def _doorway(
         sill_m=frame.to_scan(sill_m),
         width_m=opening[1] - opening[0],
         evidence=("holes", *evidence),
+        height_m=height_m,
     )

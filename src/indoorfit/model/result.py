@@ -191,6 +191,8 @@ class Doorway:
     """Clear width, approximate: to the nearest points of the wall."""
     evidence: tuple[DoorEvidence, ...]
     """What speaks for it."""
+    height_m: float | None = None
+    """Clear height above `sill_m`, approximate like the width; None where no lintel was seen."""
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ def true_doors(scene: Scene, shape: Shape, frame: Frame, found: Survey) -> tuple
                         sill_m=frame.to_scan(sill_m),
                         width_m=opening.width_m,
                         evidence=("truth",),
+                        height_m=min(opening.top_m, backing.rise_m[1]) - backing.rise_m[0],
                     )
                 )
     return tuple(doors)

@@ -37,10 +37,12 @@ def draw_doorways(result: FitResult, outline: Outline) -> list[Item]:
 
 
 def doorway_text(doorway: Doorway) -> str:
-    """One phrase: `door-1 joins room-1 and room-2, about 0.9 m wide, through wall-3 and wall-7`."""
+    """One phrase: `door-1 joins room-1 and room-2, about 0.9 m wide and 2.0 m high, through wall-3 and ...`;
+    without the height where no lintel was seen."""
+    high = "" if doorway.height_m is None else f" and {doorway.height_m:.1f} m high"
     return (
-        f"{doorway.id} joins {doorway.rooms[0]} and {doorway.rooms[1]}, about {doorway.width_m:.1f} m wide, "
-        f"through {doorway.faces[0]} and {doorway.faces[1]}"
+        f"{doorway.id} joins {doorway.rooms[0]} and {doorway.rooms[1]}, "
+        f"about {doorway.width_m:.1f} m wide{high}, through {doorway.faces[0]} and {doorway.faces[1]}"
     )
 
 

@@ -12,6 +12,7 @@ from ..levelled import levelled
 from .document import IfcDocument, name_of
 from .facts import add_face_facts, add_model_facts, add_room_facts
 from .geometry import face_surface, room_body
+from .openings import add_doorways
 
 _PRECISION_M = 1e-6
 """Points closer than this count as one."""
@@ -24,6 +25,7 @@ def write_ifc(path: Path, result: FitResult) -> None:
     """Write the rooms as IFC4: an IfcSpace per room, an IfcWall or IfcSlab per face that bounds it.
 
     Spaces are closed bodies with base quantities. Faces are surfaces, for their thickness was not measured.
+    Doorways are openings that void the walls on both sides, filled by an IfcDoor.
     Ceilings are slabs of the user-defined type CEILING. Intervals, standard uncertainties, levels and status
     are property sets ``Indoorfit_*``. The site is placed in the scan's coordinates turned level, its own
     axes along the walls; the exact pose is a property set of the site.
@@ -43,12 +45,15 @@ def write_ifc(path: Path, result: FitResult) -> None:
     ifc.relate("IfcRelAggregates", "project", ("RelatingObject", project), ("RelatedObjects", [site]))
     ifc.relate("IfcRelAggregates", "site", ("RelatingObject", site), ("RelatedObjects", [building]))
     add_model_facts(ifc, site, result, frame.R_scan_levelled.tolist())
-    storeys = []
+    storeys, spaces, elements = [], {}, {}
     for number, (floor_m, meshes) in enumerate(_storeys(result), start=1):
         place = ifc.placement(building_place, ifc.axes((0.0, 0.0, floor_m)))
         storey = _spatial(ifc, "IfcBuildingStorey", f"Storey {number}", place, Elevation=floor_m)
         storeys.append(storey)
-        _fill_storey(ifc, body, result, storey, meshes, floor_m)
+        filled = _fill_storey(ifc, body, result, storey, meshes, floor_m)
+        spaces.update(filled[0])
+        elements.update(filled[1])
+    add_doorways(ifc, body, result, elements, spaces)
     ifc.relate("IfcRelAggregates", "building", ("RelatingObject", building), ("RelatedObjects", storeys))
     replace_file(path, _content(ifc))
 
@@ -114,9 +119,10 @@ def _storeys(result: FitResult) -> list[tuple[float, list[RoomMesh]]]:
 
 def _fill_storey(
     ifc: IfcDocument, body: Any, result: FitResult, storey: Any, meshes: Sequence[RoomMesh], floor_m: float
-) -> None:
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Add the rooms of a storey; returns its spaces by room and its building elements by face."""
     rooms = {room.id: room for room in result.rooms}
-    spaces, elements = [], []
+    spaces, elements = {}, {}
     for mesh in meshes:
         space = ifc.rooted(
             "IfcSpace",
@@ -128,19 +134,20 @@ def _fill_storey(
             PredefinedType="INTERNAL",
         )
         add_room_facts(ifc, space, result, rooms[mesh.room])
-        spaces.append(space)
+        spaces[mesh.room] = space
         seen = set(mesh.face_ids)
         for face in result.faces:
             if face.room == mesh.room and face.id in seen:
                 place = ifc.placement(storey.ObjectPlacement)
                 shape = face_surface(ifc, body, result, face, floor_m)
-                elements.append(_element(ifc, face, place, shape))
-                add_face_facts(ifc, elements[-1], result, face)
-                _bound(ifc, space, elements[-1], face)
+                elements[face.id] = _element(ifc, face, place, shape)
+                add_face_facts(ifc, elements[face.id], result, face)
+                _bound(ifc, space, elements[face.id], face)
     key = str(storey.Name)
-    ifc.relate("IfcRelAggregates", key, ("RelatingObject", storey), ("RelatedObjects", spaces))
-    contained = ("RelatedElements", elements)
+    ifc.relate("IfcRelAggregates", key, ("RelatingObject", storey), ("RelatedObjects", list(spaces.values())))
+    contained = ("RelatedElements", list(elements.values()))
     ifc.relate("IfcRelContainedInSpatialStructure", key, ("RelatingStructure", storey), contained)
+    return spaces, elements
 
 
 def _element(ifc: IfcDocument, face: Face, place: Any, shape: Any) -> Any:

@@ -5,7 +5,7 @@ from typing import Any
 from indoorfit.model import Dimension, Face, FitResult, Quantity, Room
 
 from .document import IfcDocument, name_of
-from .geometry import face_area_m2
+from .geometry import face_area_m2, opening_area_m2
 
 
 def add_model_facts(ifc: IfcDocument, site: Any, result: FitResult, R_scan_levelled: list) -> None:
@@ -70,12 +70,13 @@ def add_face_facts(ifc: IfcDocument, element: Any, result: FitResult, face: Face
         "Thickness": ifc.label("not measured: the geometry is the surface seen from the room"),
     }
     ifc.properties(element, face.id, "Indoorfit_Face", values)
-    name, area = (
-        ("Qto_SlabBaseQuantities", "NetArea")
-        if face.kind in ("floor", "ceiling")
-        else ("Qto_WallBaseQuantities", "NetSideArea")
-    )
-    ifc.quantities(element, face.id, name, {area: ("Area", face_area_m2(face))})
+    area_m2 = face_area_m2(face)
+    if face.kind in ("floor", "ceiling"):
+        ifc.quantities(element, face.id, "Qto_SlabBaseQuantities", {"NetArea": ("Area", area_m2)})
+    else:
+        net_m2 = area_m2 - opening_area_m2(result, face)
+        sides = {"GrossSideArea": ("Area", area_m2), "NetSideArea": ("Area", net_m2)}
+        ifc.quantities(element, face.id, "Qto_WallBaseQuantities", sides)
     for dimension in result.dimensions:
         if dimension.wall == face.id:
             _add_dimension(ifc, element, dimension)

@@ -1,11 +1,12 @@
 """Bodies and surfaces of rooms and faces."""
 
+import math
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from indoorfit.model import Face, FitResult, RoomMesh
+from indoorfit.model import Doorway, Face, FitResult, RoomMesh
 
 from ..palette import face_colour
 from .document import IfcDocument
@@ -48,6 +49,29 @@ def face_surface(ifc: IfcDocument, body: Any, result: FitResult, face: Face, flo
 def face_area_m2(face: Face) -> float:
     """Area of a face: half the length of its rings' summed vector area; holes run the other way round."""
     return 0.5 * float(np.linalg.norm(sum((_vector_area(ring) for ring in face.rings_m), np.zeros(3))))
+
+
+def opening_height_m(result: FitResult, doorway: Doorway) -> float:
+    """Clear height of a doorway; where no lintel was seen, up to the top of the lower of its two walls."""
+    if doorway.height_m is not None:
+        return doorway.height_m
+    sill, *tops = (
+        float(result.frame.to_manhattan(corners_m)[:, 2].max())
+        for corners_m in (
+            doorway.sill_m[None],
+            *(np.concatenate(result.face(face).rings_m) for face in doorway.faces),
+        )
+    )
+    return min(tops) - sill
+
+
+def opening_area_m2(result: FitResult, face: Face) -> float:
+    """Area of a wall's doorways."""
+    return math.fsum(
+        doorway.width_m * opening_height_m(result, doorway)
+        for doorway in result.adjacency
+        if face.id in doorway.faces
+    )
 
 
 def _vector_area(ring_m: Float[np.ndarray, "corners 3"]) -> Float[np.ndarray, " 3"]:
