@@ -131,6 +131,14 @@ def test_a_batch_is_evaluated_and_calibrated(run_cli, tmp_path):
     from indoorfit import load_config
 
     assert load_config(tmp_path / "preset.toml").belief.inflation != 1.0
+    outcome = run_cli("calibrate", tmp_path / "batch", "--out", tmp_path / "scales.toml", "--scales")
+    assert outcome.code == 0
+    assert "sensor's scale" in outcome.out
+    # By kind, for there is one sensor only.
+    assert "  height" in outcome.out
+    assert load_config(tmp_path / "scales.toml").type_b.scale_std is not None
+    assert run_cli("calibrate", tmp_path / "batch", "--sensor", "none").code == 1
+    assert run_cli("calibrate", tmp_path / "batch", "--scales", "--conformal").code == 1
     refused = run_cli("calibrate", tmp_path / "batch", "--out", tmp_path / "c.toml", "--conformal")
     assert refused.code == 1
     assert not (tmp_path / "c.toml").exists()

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -16,7 +17,7 @@ MIN_ROOMS = 5
 """Below it the uncertainty of the factor (a t distribution with rooms - 1 degrees of freedom) is a factor of
 two either way: readings of so few rooms can test intervals, not calibrate them."""
 
-_DOFS = (3.0, 5.0, 10.0, 30.0, 300.0)
+LIKELY_DOFS = (3.0, 5.0, 10.0, 30.0, 300.0)
 """Tails that are tried: 3 is a room with gross errors, 300 is a normal distribution."""
 
 _NARROWEST_M = 1e-6
@@ -37,6 +38,13 @@ class JudgedLength:
     level: float
     reference_std_m: float
     """Of the reference; 0 for an exact truth."""
+    value_m: float = 0.0
+    """The length itself."""
+    data_share: float = 1.0
+    """Share of the standard uncertainty that the scan's residuals account for; the rest, in quadrature, was
+    added for the sensor's scale and the wall (`type_b`)."""
+    sensor: str = ""
+    kind: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,11 +111,11 @@ def calibrate(lengths: Sequence[JudgedLength], seed: int = 0) -> Calibration:
     if len(levels) > 1:
         found = ", ".join(f"{level:g}" for level in sorted(levels))
         raise InputError(f"calibrate: intervals of the levels {found}; one is needed. Fix: give --config.")
-    data = _Data.of(lengths, rooms)
+    data = JudgedData.of(lengths)
     log_factor, dof = _best(data, np.ones(len(rooms)))
     # Every room left out once: for the uncertainty, and for factors that their room had no part in.
     held_out = np.eye(len(rooms)) == 0.0
-    without = np.array([_log_factor(data, keep.astype(float), dof) for keep in held_out])
+    without = np.array([log_factor_of(data, keep.astype(float), dof) for keep in held_out])
     n = len(rooms)
     std = math.sqrt((n - 1) / n * float(np.sum((without - without.mean()) ** 2)))
     reach = float(student.ppf(0.975, n - 1)) * std
@@ -120,15 +128,29 @@ def calibrate(lengths: Sequence[JudgedLength], seed: int = 0) -> Calibration:
         n_lengths=len(lengths),
         n_rooms=n,
         level=data.level,
-        held_before=float(np.mean(_held(data, np.zeros(n)))),
-        held_after=float(np.mean(_held(data, without))),
+        held_before=float(np.mean(held_by(data, data.half_m))),
+        held_after=float(np.mean(held_by(data, np.exp(without)[data.room] * data.half_m))),
         conformal=conformal,
         conformal_rooms=needed,
     )
 
 
+def calibrate_groups(
+    lengths: Sequence[JudgedLength], by: Literal["sensor", "kind"], seed: int = 0
+) -> dict[str, Calibration]:
+    """`calibrate` for every sensor or every kind of length that has rooms enough, by name."""
+    found = {}
+    for name in sorted({getattr(length, by) for length in lengths}):
+        own = [length for length in lengths if getattr(length, by) == name]
+        if len({length.room for length in own}) >= MIN_ROOMS:
+            found[name] = calibrate(own, seed)
+    return found
+
+
 @dataclass(frozen=True)
-class _Data:
+class JudgedData:
+    """The lengths of one level as arrays."""
+
     error_m: Float[np.ndarray, " lengths"]
     half_m: Float[np.ndarray, " lengths"]
     reference_std_m: Float[np.ndarray, " lengths"]
@@ -137,27 +159,38 @@ class _Data:
     share: Float[np.ndarray, " lengths"]
     """One over the number of lengths in the room."""
     level: float
+    value_m: Float[np.ndarray, " lengths"]
+    data_half_m: Float[np.ndarray, " lengths"]
+    """What the scan's residuals alone account for of `half_m`."""
+    rooms: tuple[str, ...]
 
     @classmethod
-    def of(cls, lengths: Sequence[JudgedLength], rooms: list[str]) -> "_Data":
+    def of(cls, lengths: Sequence[JudgedLength]) -> "JudgedData":
+        """Rooms in the order of their names."""
+        rooms = sorted({length.room for length in lengths})
         room = np.array([rooms.index(length.room) for length in lengths])
+        half_m = np.maximum([length.half_m for length in lengths], _NARROWEST_M)
         return cls(
             np.array([length.error_m for length in lengths]),
-            np.maximum([length.half_m for length in lengths], _NARROWEST_M),
+            half_m,
             np.array([length.reference_std_m for length in lengths]),
             room,
             1.0 / np.bincount(room)[room],
             lengths[0].level,
+            np.array([length.value_m for length in lengths]),
+            half_m * np.array([length.data_share for length in lengths]),
+            tuple(rooms),
         )
 
 
-def _best(data: _Data, votes: Float[np.ndarray, " rooms"]) -> tuple[float, float]:
+def _best(data: JudgedData, votes: Float[np.ndarray, " rooms"]) -> tuple[float, float]:
     """Logarithm of the factor, and the tails, of the largest likelihood."""
-    found = [(_log_factor(data, votes, dof), dof) for dof in _DOFS]
+    found = [(log_factor_of(data, votes, dof), dof) for dof in LIKELY_DOFS]
     return min(found, key=lambda pair: _loss(pair[0], data, votes, pair[1]))
 
 
-def _log_factor(data: _Data, votes: Float[np.ndarray, " rooms"], dof: float) -> float:
+def log_factor_of(data: JudgedData, votes: Float[np.ndarray, " rooms"], dof: float) -> float:
+    """Logarithm of the factor of the largest likelihood, each room with its votes."""
     solved = minimize_scalar(
         _loss,
         bounds=(-_LARGEST, _LARGEST),
@@ -168,18 +201,17 @@ def _log_factor(data: _Data, votes: Float[np.ndarray, " rooms"], dof: float) -> 
     return float(solved.x)  # pyright: ignore[reportAttributeAccessIssue]
 
 
-def _loss(log_factor: float, data: _Data, votes: Float[np.ndarray, " rooms"], dof: float) -> float:
+def _loss(log_factor: float, data: JudgedData, votes: Float[np.ndarray, " rooms"], dof: float) -> float:
     quantile = float(student.ppf(0.5 + 0.5 * data.level, dof))
     scale_m = np.hypot(math.exp(log_factor) * data.half_m / quantile, data.reference_std_m)
     weights = votes[data.room] * data.share
     return -float(weights @ (student.logpdf(data.error_m / scale_m, dof) - np.log(scale_m)))
 
 
-def _held(data: _Data, log_factors: Float[np.ndarray, " rooms"]) -> np.ndarray:
-    """Whether each interval, times its room's factor, holds its reference, whose uncertainty is added."""
+def held_by(data: JudgedData, half_m: Float[np.ndarray, " lengths"]) -> np.ndarray:
+    """Whether intervals of these half widths hold their references, whose uncertainty is added."""
     reference_m = float(ndtri(0.5 + 0.5 * data.level)) * data.reference_std_m
-    reach_m = np.hypot(np.exp(log_factors)[data.room] * data.half_m, reference_m)
-    return np.abs(data.error_m) <= reach_m
+    return np.abs(data.error_m) <= np.hypot(half_m, reference_m)
 
 
 def conformal_factor(lengths: Sequence[JudgedLength], seed: int) -> tuple[float | None, int]:

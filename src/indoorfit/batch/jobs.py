@@ -13,6 +13,10 @@ from indoorfit.pipeline import package_version
 Plan = Literal["box", "L", "U", "X", "T", "Z", "stair", "random"]
 
 
+_ROW = 2
+"""Counts up when rows get other columns, so that a batch begun before is not gone on with."""
+
+
 @dataclass(frozen=True)
 class ScanFile:
     """A scan on disk. On a cluster its path must mean the same file on every worker."""
@@ -75,6 +79,7 @@ class Job:
         """Digest of all that the result depends on: a change of any part makes it a new task."""
         parts = {
             "version": package_version(),
+            "row": _ROW,
             "config": config_to_dict(self.config),
             "source": self._content(),
             "tape": None if self.tape is None else asdict(self.tape),

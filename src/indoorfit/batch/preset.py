@@ -10,18 +10,22 @@ from indoorfit.errors import InputError
 
 from .calibration import Calibration, JudgedLength
 from .run import MARK
+from .scales import NoiseScales
 from .settings import settings_toml
 
 
-def read_lengths(folder: str | Path, config: str | None = None) -> tuple[list[JudgedLength], dict[str, Any]]:
+def read_lengths(
+    folder: str | Path, config: str | None = None, sensor: str | None = None
+) -> tuple[list[JudgedLength], dict[str, Any]]:
     """The lengths of one configuration of a batch that have an interval, and the settings it changes.
 
     Args:
         folder: directory of `indoorfit evaluate`.
         config: name of the configuration; may be left out where there is only one.
+        sensor: only scans of this sensor, by the batch's word for it; None takes all.
 
     Raises:
-        InputError: no batch, no such configuration, or several and none chosen.
+        InputError: no batch, no such configuration or sensor, or several configurations and none chosen.
     """
     folder = Path(folder)
     try:
@@ -38,7 +42,18 @@ def read_lengths(folder: str | Path, config: str | None = None) -> tuple[list[Ju
     if config is None or config not in configs:
         found = f"has no configuration {config!r}" if config else "has several configurations"
         raise InputError(f"{folder}: {found}: {', '.join(configs)}. Fix: choose one with --config.")
-    return [_judged(record) for record in records if record["config"] == config], configs[config]
+    own = [record for record in records if record["config"] == config]
+    sensors = sorted({record["sensor"] for record in own})
+    if sensor is not None and sensor not in sensors:
+        raise InputError(
+            f"{folder}: has no sensor {sensor!r}: {', '.join(sensors)}. Fix: choose one with --sensor."
+        )
+    if own and "data_std_m" not in own[0]:
+        raise InputError(
+            f"{folder}: lengths.csv has no column data_std_m: it was written by an earlier version. Fix: run "
+            f"`indoorfit evaluate MANIFEST --out {folder}` again."
+        )
+    return [_judged(record) for record in own if sensor in (None, record["sensor"])], configs[config]
 
 
 def _judged(record: dict[str, str]) -> JudgedLength:
@@ -50,6 +65,10 @@ def _judged(record: dict[str, str]) -> JudgedLength:
         half_m=half_m,
         level=float(record["level"]),
         reference_std_m=float(record["reference_std_m"] or 0.0),
+        value_m=value_m,
+        data_share=float(record["data_std_m"]) / max(float(record["std_m"]), 1e-12),
+        sensor=record["sensor"],
+        kind=record["kind"],
     )
 
 
@@ -89,6 +108,43 @@ def preset_toml(found: Calibration, settings: dict[str, Any], conformal: bool) -
     ]
     head = "\n".join(f"# {line}" for line in lines)
     belief = dict(settings.get("belief", {}))
-    # Rounded up, so that no interval is narrower than what was learnt.
-    belief["inflation"] = math.ceil(belief.get("inflation", 1.0) * factor * 1e4) / 1e4
+    belief["inflation"] = _rounded_up(belief.get("inflation", 1.0) * factor)
     return f"{head}\n\n{settings_toml({**settings, 'level': found.level, 'belief': belief})}"
+
+
+def scales_toml(found: NoiseScales, settings: dict[str, Any], level: float) -> str:
+    """Settings for `indoorfit fit --config` with the noise scales that were learnt, and what they rest on.
+
+    Args:
+        found: of `learn_scales`.
+        settings: those of the batch that are not the defaults; all of them are kept.
+        level: of the batch's intervals.
+    """
+    k, s, c = found.factor, found.scale_std, found.definition_std_m
+    lines = [
+        f"Noise scales learnt by indoorfit in {found.n_rooms} rooms; in brackets 95 % intervals.",
+        f"Of the scan's residuals: times {k.value:.3f} ({k.low:.3f} to {k.high:.3f}).",
+        f"Of the scan's scale: {100 * s.value:.3g} % ({100 * s.low:.3g} to {100 * s.high:.3g} %).",
+        f"Of where the wall is: {1e3 * c.value:.3g} mm ({1e3 * c.low:.3g} to {1e3 * c.high:.3g} mm).",
+        f"Held {100 * found.held:.1f} % of the references, each room with the scales of the others.",
+        "No guarantee: it assumes that errors are made in new rooms as in these.",
+    ]
+    head = "\n".join(f"# {line}" for line in lines)
+    belief, type_b = dict(settings.get("belief", {})), dict(settings.get("type_b", {}))
+    factor = _rounded_up(belief.get("inflation", 1.0) * k.value)
+    belief["inflation"] = factor
+    # The factor lies on everything that the fit adds, so these are written without it.
+    type_b |= {
+        "scale_std": _rounded_up(s.value / factor),
+        "scale_dof": float(found.n_rooms - 1),
+        "definition_std_m": _rounded_up(c.value / factor),
+    }
+    return f"{head}\n\n{settings_toml({**settings, 'level': level, 'belief': belief, 'type_b': type_b})}"
+
+
+def _rounded_up(value: float) -> float:
+    """To four significant digits, up: no interval is narrower than what was learnt."""
+    if value == 0.0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(value)) - 3)
+    return float(f"{math.ceil(round(value / unit, 6)) * unit:.4g}")

@@ -58,7 +58,7 @@ def _run(job: Job, stages: dict[str, float]) -> Row:
         "warnings": sorted({note.code for note in result.notes}),
         "structure": None if against is None else _structure(against),
         "lengths": [
-            *([] if against is None else [_against_truth(check) for check in against.lengths]),
+            *([] if against is None else [_against_truth(result, check) for check in against.lengths]),
             *_against_tape(result),
         ],
         "tape": _tape(result),
@@ -80,8 +80,8 @@ def _structure(against: Comparison) -> dict[str, Any]:
     return {"right": against.right, "faults": list(against.faults), "lost": list(against.lost)}
 
 
-def _against_truth(check: LengthCheck) -> dict[str, Any]:
-    return {"reference": "truth", "reference_std_m": 0.0, "e_n": None, **_plain(check)}
+def _against_truth(result: FitResult, check: LengthCheck) -> dict[str, Any]:
+    return {"reference": "truth", "reference_std_m": 0.0, "e_n": None, **_plain(result, check)}
 
 
 def _against_tape(result: FitResult) -> list[dict[str, Any]]:
@@ -104,12 +104,17 @@ def _against_tape(result: FitResult) -> list[dict[str, Any]]:
             level=quantity.interval.level,
             status=dimension.status,
         )
-        rows.append({"reference": "tape", "reference_std_m": check.std_m, "e_n": check.e_n, **_plain(length)})
+        reference = {"reference": "tape", "reference_std_m": check.std_m, "e_n": check.e_n}
+        rows.append({**reference, **_plain(result, length)})
     return rows
 
 
-def _plain(check: LengthCheck) -> dict[str, Any]:
-    return {key: float(value) if key.endswith("_m") else value for key, value in asdict(check).items()}
+def _plain(result: FitResult, check: LengthCheck) -> dict[str, Any]:
+    """A check, and how much of its standard uncertainty the residuals of the scan account for."""
+    plain = {key: float(value) if key.endswith("_m") else value for key, value in asdict(check).items()}
+    quantity = next(d.quantity for d in result.dimensions if d.id == check.model)
+    data_std_m = quantity.std if quantity.budget is None else quantity.budget.data_std
+    return {**plain, "data_std_m": float(data_std_m)}
 
 
 def _tape(result: FitResult) -> dict[str, Any] | None:

@@ -62,8 +62,13 @@ def levels(
             face = faces[k]
             if face.polygon.plane == base:
                 continue
-            ends = sorted((_face_on(faces, base), face), key=lambda f: shape.planes[f.polygon.plane].offset_m)
-            step = _upright(shape, room, "step", (ends[0], ends[1]), cells.widest(of == k))
+            on_base = _face_on(faces, base)
+            ends = sorted((on_base, face), key=lambda f: shape.planes[f.polygon.plane].offset_m)
+            # At the edge, where a tape can be held; levels that do not meet have none.
+            number = next(k for k, other in enumerate(faces) if other is on_base)
+            at_m = cells.border(of == k, of == number)
+            at_m = cells.widest(of == k) if at_m is None else at_m
+            step = _upright(shape, room, "step", (ends[0], ends[1]), at_m)
             for dimension in (step, *_extents(shape, room, faces, face.polygon)):
                 if dimension.planes not in done:
                     done.add(dimension.planes)

@@ -33,6 +33,19 @@ class PlanCells:
         i, j = np.unravel_index(np.argmax(np.where(cells, sides_m, -1.0)), cells.shape)
         return np.array([self.x_m[i] + self.x_m[i + 1], self.y_m[j] + self.y_m[j + 1]]) / 2.0
 
+    def border(self, cells: np.ndarray, others: np.ndarray) -> Float[np.ndarray, " 2"] | None:
+        """The middle of the longest cell side between two (nx, ny) masks; None where they do not meet."""
+        found = []
+        for axis, lines_m, along_m in ((0, self.x_m, self.y_m), (1, self.y_m, self.x_m)):
+            a, b = (np.moveaxis(mask, axis, 0) for mask in (cells, others))
+            for i, j in np.argwhere((a[1:] & b[:-1]) | (b[1:] & a[:-1])).tolist():
+                place = [lines_m[i + 1], 0.5 * (along_m[j] + along_m[j + 1])]
+                found.append((along_m[j + 1] - along_m[j], place if axis == 0 else place[::-1]))
+        if not found:
+            return None
+        # The first of several as long.
+        return np.array(max(found, key=lambda side: side[0])[1])
+
     def rings_m(self) -> tuple[Float[np.ndarray, "_ 2"], ...]:
         """The outline: the outer ring counter-clockwise as seen from above, then those of pillars."""
         following = _edges(self.floor >= 0)
