@@ -133,6 +133,29 @@ def test_images_hit_the_wall_where_they_should(filmed, painted):
         assert psnr_db(errors(built, result, moved)) < here - 1.0
 
 
+def test_images_whose_poses_err_are_moved_together(filmed, painted):
+    """Every image twice, with poses that err by 8 mm either way: the right place is in the middle."""
+    built, virtual, result, folder = filmed
+    rng = np.random.default_rng(3)
+    images = []
+    for image in read_posed_images(folder):
+        slip_m = rng.standard_normal(3)
+        slip_m *= 0.008 / np.linalg.norm(slip_m)
+        images += [replace(image, position_m=image.position_m + sign * slip_m) for sign in (1.0, -1.0)]
+    aligned, still = (
+        by_face(texture_from_images(result, virtual.scan, images, replace(CONFIG, align=align)))
+        for align in (True, False)
+    )
+    scores_db = []
+    for textures in (painted, aligned, still):
+        squared = np.concatenate([errors(built, result, textures[f]).ravel() for f in painted])
+        scores_db.append(psnr_db(squared))
+    exact_db, aligned_db, still_db = scores_db
+    # What doubled edges cost is won back for the better part.
+    assert aligned_db > 0.5 * (exact_db + still_db)
+    assert exact_db > still_db + 1.0
+
+
 def with_gains(image: CameraImage, gain: np.ndarray) -> CameraImage:
     pixels = np.clip(image.load() * gain, 0, 255).round().astype(np.uint8)
     return replace(image, load=lambda: pixels)

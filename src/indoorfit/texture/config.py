@@ -27,6 +27,11 @@ class TextureConfig:
     gaps: Literal["alpha", "fill"] = "alpha"
     """What nobody saw: `alpha` leaves it transparent over the face's mean colour, `fill` lets the colours
     around diffuse into it."""
+    align: bool = True
+    """Move each camera image on each face to where it agrees with the others, as far as poses err."""
+    pose_error_m: float = 0.01
+    """How far images may lie beside their place, as a standard deviation: what the poses of hand-held depth
+    cameras are good to. A plain wall, on which nothing can be aligned, is left where it is."""
     noise_sigmas: float = 3.0
     """Points further from the plane than this many of the face's own standard deviations are furniture or
     stray: of a Gaussian wall 0.3 % are lost."""

@@ -1,38 +1,28 @@
 """Textures from posed camera images (thesis 7.3, the last recommendation)."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float
 
 from indoorfit.model import CameraImage, FaceTexture, FitResult, Scan
 
+from .align import align
 from .canvas import Canvas, canvas_of
-from .claim import claim_points, reach_m
+from .claim import claim_points
 from .config import TextureConfig
 from .exposure import balance
 from .finish import finished
 from .nearest import Colouring, colour_from_points
 from .sampling import sampled, sharpness
-from .views import Planes, Sighting, View, planes_of, sight, view_of, windows
+from .sightings import Surroundings, footprint_of, sightings, weight_of
+from .views import Move, planes_of, view_of
 
 _SPARSE_M = 0.10
 """Distance of the places where exposures are compared: some hundreds on a wall."""
-_RIM = 0.1
-"""Share of the image's shorter side over which its weight fades towards its rim."""
 _DARK, _BRIGHT = 8.0, 247.0
 """Values beyond are cut off by the camera and tell no exposure."""
-
-
-@dataclass(frozen=True)
-class _Surroundings:
-    """What all views share, scan axes relative to `base_m`."""
-
-    base_m: Float[np.ndarray, " 3"]
-    foreign_m: Float[np.ndarray, "points 3"]
-    """Thinned points on no face: furniture."""
-    foreign_size_m: float
 
 
 def texture_from_images(
@@ -60,7 +50,8 @@ def texture_from_images(
     claimed = claim_points(points_m, base_m, canvases, config)
     around = _surroundings(points_m, base_m, canvases, claimed)
     gains = _gains(result, images, around, config) if config.exposure else np.ones((len(images), 3))
-    found = _blend(canvases, images, gains, around, config)
+    moves = align(result, images, gains, around, config) if config.align else {}
+    found = _blend(canvases, images, gains, moves, around, config)
     textures = []
     for canvas, colouring, chosen in zip(canvases, found, claimed, strict=True):
         if scan.colours is not None and len(chosen):
@@ -85,7 +76,7 @@ def _surroundings(
     base_m: Float[np.ndarray, " 3"],
     canvases: Sequence[Canvas],
     claimed: Sequence[np.ndarray],
-) -> _Surroundings:
+) -> Surroundings:
     """The furniture: points on no face, one in each cube as large as the spacing of the points on faces."""
     on_face = np.zeros(len(points_m), bool)
     for chosen in claimed:
@@ -97,11 +88,11 @@ def _surroundings(
     cells -= cells.min(axis=0, initial=0)
     sides = cells.max(axis=0, initial=0) + 1
     _, first = np.unique(np.ravel_multi_index(tuple(cells.T), tuple(sides)), return_index=True)
-    return _Surroundings(base_m, foreign_m[first], size_m)
+    return Surroundings(base_m, foreign_m[first], size_m)
 
 
 def _gains(
-    result: FitResult, images: Sequence[CameraImage], around: _Surroundings, config: TextureConfig
+    result: FitResult, images: Sequence[CameraImage], around: Surroundings, config: TextureConfig
 ) -> Float[np.ndarray, "images 3"]:
     """Exposure factors, from colours at places that several images show."""
     canvases = [canvas_of(face, result.frame, _SPARSE_M, config.max_side) for face in result.faces]
@@ -112,36 +103,39 @@ def _gains(
     for k, image in enumerate(images):
         view = view_of(image, planes, around.base_m, around.foreign_m, around.foreign_size_m)
         pixels = image.load()
-        for face, sighting, place in _sightings(view, planes, masks, around, config):
-            footprint = _footprint(view, sighting, canvases[face])
+        for face, sighting, place in sightings(view, planes, masks, around, config):
+            footprint = footprint_of(view, sighting, canvases[face])
             colours = sampled(pixels, sighting.u, sighting.v, 0.5 * footprint)
             colours[((colours < _DARK) | (colours > _BRIGHT)).any(axis=1)] = np.nan
             samples[k, starts[face] + place] = colours
     return balance(samples.astype(float))
 
 
+def _move(moves: Mapping[tuple[int, int], Move], image: int, face: int) -> Move | None:
+    return moves.get((image, face))
+
+
 def _blend(
     canvases: Sequence[Canvas],
     images: Sequence[CameraImage],
     gains: Float[np.ndarray, "images 3"],
-    around: _Surroundings,
+    moves: Mapping[tuple[int, int], Move],
+    around: Surroundings,
     config: TextureConfig,
 ) -> list[Colouring]:
     planes = planes_of(canvases, around.base_m)
     masks = [canvas.mask() for canvas in canvases]
     sums = [np.zeros((canvas.rows * canvas.columns, 3), np.float32) for canvas in canvases]
     weights = [np.zeros(canvas.rows * canvas.columns, np.float32) for canvas in canvases]
-    for image, gain in zip(images, gains, strict=True):
+    for k, (image, gain) in enumerate(zip(images, gains, strict=True)):
         view = view_of(image, planes, around.base_m, around.foreign_m, around.foreign_size_m)
         pixels = image.load()
         crisp = sharpness(pixels)
-        for face, sighting, place in _sightings(view, planes, masks, around, config):
-            footprint = _footprint(view, sighting, canvases[face])
+        moved = partial(_move, moves, k)
+        for face, sighting, place in sightings(view, planes, masks, around, config, moved):
+            footprint = footprint_of(view, sighting, canvases[face])
             colours = sampled(pixels, sighting.u, sighting.v, footprint) * gain.astype(np.float32)
-            # Pixels along a side of the texture pixel, as if it were seen from the front.
-            fine = np.sqrt(sighting.cosine) * image.camera.fx * canvases[face].pixel_m / sighting.depth_m
-            weight = (crisp * fine) ** config.view_power * _fade(view, sighting)
-            weight = np.maximum(weight, 1e-12).astype(np.float32)
+            weight = weight_of(view, sighting, canvases[face], crisp, config.view_power).astype(np.float32)
             weights[face][place] += weight
             sums[face][place] += weight[:, None] * colours
     found = []
@@ -150,37 +144,3 @@ def _blend(
         mean = total / np.maximum(weight, 1e-30)[:, None]
         found.append(Colouring(mean.reshape(canvas.rows, canvas.columns, 3).astype(float), known))
     return found
-
-
-def _sightings(
-    view: View,
-    planes: Planes,
-    masks: Sequence[Bool[np.ndarray, "_ _"]],
-    around: _Surroundings,
-    config: TextureConfig,
-) -> Iterator[tuple[int, Sighting, Int[np.ndarray, " n"]]]:
-    """Face, sighting and flat pixel numbers, for every face that the view shows."""
-    for window in windows(view, planes, around.base_m):
-        canvas = planes.canvases[window.face]
-        mask = masks[window.face][window.rows, window.columns]
-        # Twice the reach: what is nearer than its own noise to the wall is the wall.
-        clearance_m = 2.0 * reach_m(canvas.face, config)
-        sighting = sight(view, planes, window, mask, around.base_m, clearance_m)
-        row, column = np.nonzero(sighting.visible)
-        if len(row):
-            place = (row + window.rows.start) * canvas.columns + column + window.columns.start
-            yield window.face, sighting, place
-
-
-def _footprint(view: View, sighting: Sighting, canvas: Canvas) -> float:
-    """Pixels of the image along a side of a texture pixel, in the middle of what is seen."""
-    return float(np.median(view.image.camera.fx * canvas.pixel_m / sighting.depth_m))
-
-
-def _fade(view: View, sighting: Sighting) -> Float[np.ndarray, " n"]:
-    """1 in the middle of the image, 0 at its rim."""
-    camera = view.image.camera
-    rim = np.minimum.reduce(
-        [sighting.u, sighting.v, camera.width - 1.0 - sighting.u, camera.height - 1.0 - sighting.v]
-    )
-    return np.clip(rim / (_RIM * min(camera.width, camera.height)), 0.0, 1.0)

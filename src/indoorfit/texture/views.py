@@ -167,6 +167,24 @@ def _span(place_m: Float[np.ndarray, " n"], pixel_m: float, n: int) -> slice:
 
 
 @dataclass(frozen=True)
+class Move:
+    """What an image shows of a face lies beside its place, because the pose errs."""
+
+    centre_m: Float[np.ndarray, " 2"]
+    """On the canvas: to the right and down from its corner."""
+    matrix: Float[np.ndarray, "2 3"]
+    """The pixel at c + centre_m is shown where the model has c + centre_m + matrix (c, 1)."""
+
+    def at(
+        self, x_m: Float[np.ndarray, " n"], y_m: Float[np.ndarray, " n"]
+    ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+        """Where places are shown."""
+        c = np.stack([x_m - self.centre_m[0], y_m - self.centre_m[1], np.ones_like(x_m)])
+        dx_m, dy_m = self.matrix @ c
+        return x_m + dx_m, y_m + dy_m
+
+
+@dataclass(frozen=True)
 class Sighting:
     """Pixels of a canvas as a camera sees them."""
 
@@ -187,6 +205,7 @@ def sight(
     mask: Bool[np.ndarray, "rows columns"],
     base_m: Float[np.ndarray, " 3"],
     clearance_m: float,
+    move: Move | None = None,
 ) -> Sighting:
     """Project the window's pixels into the image and keep those that nothing hides.
 
@@ -197,11 +216,14 @@ def sight(
         mask: of the window: pixels wanted.
         base_m: scan frame.
         clearance_m: points nearer to the face than this do not hide it.
+        move: where the image shows the pixels, if not where the pose says.
     """
     canvas, camera = planes.canvases[window.face], view.image.camera
     row, column = np.nonzero(mask)
     x_m = (column + window.columns.start + 0.5) * canvas.pixel_m
     y_m = (row + window.rows.start + 0.5) * canvas.pixel_m
+    if move is not None:
+        x_m, y_m = move.at(x_m, y_m)
     start_m = canvas.origin_m - base_m - view.position_m
     frame = view.image.R_scan_camera
     start, right, down = start_m @ frame, canvas.right @ frame, canvas.down @ frame
