@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("distributed", reason="needs the extra dask")
 
-MANIFEST = '[[simulate]]\nname = "room"\nplan = "box"\nrooms = 6\npoints = 6000\n'
+MANIFEST = '[[simulate]]\nname = "room"\nplan = "box"\nrooms = 4\npoints = 4000\n'
 
 
 @pytest.fixture
@@ -45,13 +45,13 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_tables(cluster, tmp_path):
     manifest = tmp_path / "study.toml"
     manifest.write_text(MANIFEST, encoding="utf-8")
     running = evaluate(manifest, tmp_path / "far", "--scheduler", address)
+    near = evaluate(manifest, tmp_path / "near", "--workers", "1")
     deadline = time.monotonic() + 60.0
     while time.monotonic() < deadline and not list((tmp_path / "far" / "rows").glob("*.json")):
         time.sleep(0.02)
     worker.send_signal(signal.SIGKILL)
     _, log = running.communicate(timeout=90)
     assert running.returncode == 0, log
-    near = evaluate(manifest, tmp_path / "near", "--workers", "1")
     _, log = near.communicate(timeout=90)
     assert near.returncode == 0, log
     for name in ("scans.csv", "lengths.csv", "summary.csv", "lengths.parquet", "report.html"):

@@ -16,6 +16,7 @@ STUDIES = Path(__file__).resolve().parents[2] / "configs" / "studies"
 def length(room=0, error_m=0.001, half_m=0.002, kind="wall", status="observed", of="A"):
     return {
         "truth": of, "model": of, "kind": kind, "true_m": 5.0, "value_m": 5.0 + error_m, "std_m": half_m / 2,
+        "data_std_m": half_m / 2,
         "low_m": 5.0 + error_m - half_m, "high_m": 5.0 + error_m + half_m, "level": 0.95, "status": status,
         "reference": "truth", "reference_std_m": 0.0, "e_n": None,
     }  # fmt: skip

@@ -32,25 +32,25 @@ def lengths(n_rooms, rng, factor=1.0, scale=0.0, definition_m=0.0, per_room=5, d
     ids=["scale", "factor", "definition", "scale and definition"],
 )
 def test_every_part_is_found_within_its_uncertainty(factor, scale, definition_m):
-    found = learn_scales(lengths(40, np.random.default_rng(1), factor, scale, definition_m))
+    found = learn_scales(lengths(25, np.random.default_rng(1), factor, scale, definition_m))
     assert found.scale_std.low <= scale <= found.scale_std.high
     assert found.definition_std_m.low <= definition_m <= found.definition_std_m.high
     assert found.factor.low <= factor <= found.factor.high
-    # Two hundred errors: 5 % of a single scale each way, more where they share the work.
+    # 125 errors: 6 % of a single scale each way, four of them 25 %.
     if scale and not definition_m:
         assert found.scale_std.value == pytest.approx(scale, rel=0.25)
-    # 200 lengths: four standard errors of a share of 0.95 are 6 %.
-    assert found.held == pytest.approx(0.95, abs=0.06)
+    # 125 lengths: four standard errors of a share of 0.95 are 8 %.
+    assert found.held == pytest.approx(0.95, abs=0.08)
 
 
 def test_scales_do_better_than_one_factor_where_errors_grow_with_the_length():
-    found = learn_scales(lengths(40, np.random.default_rng(2), scale=0.004))
+    found = learn_scales(lengths(25, np.random.default_rng(2), scale=0.004))
     assert found.score_m < found.score_factor_m < found.score_before_m
 
 
 def test_what_the_batch_had_added_itself_is_learnt_anew():
     rng = np.random.default_rng(3)
-    sample = lengths(30, rng, scale=0.004)
+    sample = lengths(15, rng, scale=0.004)
     # The same errors with intervals that somebody had made twice as wide by type_b.
     wide = [replace(length, half_m=2.0 * length.half_m, data_share=0.5) for length in sample]
     # Two optimisations to a relative 1e-5 of the likelihood, flat at its top.
@@ -58,7 +58,7 @@ def test_what_the_batch_had_added_itself_is_learnt_anew():
 
 
 def test_the_preset_makes_the_intervals_that_were_learnt():
-    found = learn_scales(lengths(30, np.random.default_rng(4), 2.0, 0.004))
+    found = learn_scales(lengths(15, np.random.default_rng(4), 2.0, 0.004))
     settings = {"type_b": {"sensor": "laser"}, "belief": {"inflation": 3.0}}
     config = config_from_dict(tomllib.loads(scales_toml(found, settings, 0.95)))
     assert config.type_b.sensor == "laser"
@@ -70,4 +70,4 @@ def test_the_preset_makes_the_intervals_that_were_learnt():
     assert inflation == pytest.approx(3.0 * found.factor.value, rel=1e-3)
     assert inflation * config.type_b.scale_std == pytest.approx(found.scale_std.value, rel=2e-3)
     assert inflation * config.type_b.definition_std_m == pytest.approx(found.definition_std_m.value, rel=2e-3)
-    assert config.type_b.scale_dof == 29
+    assert config.type_b.scale_dof == 14
