@@ -39,6 +39,11 @@ def test_names_agree_with_those_of_planes():
     assert tuple(named) == NAMES
 
 
+def test_a_table_in_a_room_without_ceiling_is_neither_floor_nor_ceiling():
+    without = [*ROOM[:5], ((0, 0, 1), (0, 0, -0.55), 3)]
+    assert classify(segments_of(without), ClassifyConfig()) == (*NAMES[:5], None)
+
+
 @given(order=st.permutations(range(6)))
 def test_order_of_segments_does_not_matter(order):
     found = classify(segments_of([ROOM[k] for k in order]), ClassifyConfig())

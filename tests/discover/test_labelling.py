@@ -6,14 +6,20 @@ import numpy as np
 import pytest
 
 from indoorfit.discover.evidence import Evidence
-from indoorfit.discover.labelling import LabelConfig, label_cells
+from indoorfit.discover.labelling import LabelConfig, cell_costs, label_cells
 
 SEEN_M2 = 100.0
 
 
-def evidence_of(ceiling: np.ndarray, floor: np.ndarray, walls: tuple[np.ndarray, np.ndarray]) -> Evidence:
+def evidence_of(
+    ceiling: np.ndarray,
+    floor: np.ndarray,
+    walls: tuple[np.ndarray, np.ndarray],
+    heads: np.ndarray | None = None,
+) -> Evidence:
     """All at one height; the labelling does not look at lintels."""
-    return Evidence(ceiling, floor, np.full(ceiling.shape, 2.5), walls, walls)
+    heads = np.zeros(ceiling.shape) if heads is None else heads
+    return Evidence(ceiling, floor, heads, np.full(ceiling.shape, 2.5), walls, walls)
 
 
 def random_evidence(nx: int, ny: int, rng: np.random.Generator) -> Evidence:
@@ -22,6 +28,15 @@ def random_evidence(nx: int, ny: int, rng: np.random.Generator) -> Evidence:
         floor=rng.uniform(0, 1, (nx, ny)),
         walls=(rng.uniform(0, 1, (nx + 1, ny)), rng.uniform(0, 1, (nx, ny + 1))),
     )
+
+
+def test_under_a_door_s_head_neither_floor_nor_missing_ceiling_says_anything():
+    none = (np.zeros((2, 1)), np.zeros((1, 2)))
+    area_m2, config = np.ones((1, 1)), LabelConfig()
+    share, open_floor = np.zeros((1, 1)), np.ones((1, 1))
+    under = cell_costs(evidence_of(share, open_floor, none, np.ones((1, 1))), area_m2, config)
+    assert under == 0.0
+    assert cell_costs(evidence_of(share, open_floor, none), area_m2, config) < 0.0
 
 
 def energy(inside: np.ndarray, evidence: Evidence, grid, config: LabelConfig) -> float:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from indoorfit.model import FaceClass, Segments
 
@@ -40,7 +40,8 @@ def classify(segments: Segments, config: ClassifyConfig) -> tuple[FaceClass | No
     fits = (np.abs(along) >= config.along) & (others.max(axis=1, initial=0.0) <= config.across)
     heights_m = segments.centres_m[:, 2]
     level = fits & (axis == 2)
-    low_m, high_m = _height_range(heights_m[level], segments.areas_m2[level])
+    upright = fits & (axis < 2)
+    low_m, high_m = _height_range(heights_m, segments.areas_m2, level, upright)
     share = (heights_m - low_m) / max(high_m - low_m, 1e-9)
     classes: list[FaceClass | None] = []
     for k in range(segments.n_segments):
@@ -56,10 +57,20 @@ def classify(segments: Segments, config: ClassifyConfig) -> tuple[FaceClass | No
 
 
 def _height_range(
-    heights_m: Float[np.ndarray, " n"], areas_m2: Float[np.ndarray, " n"]
+    heights_m: Float[np.ndarray, " n"],
+    areas_m2: Float[np.ndarray, " n"],
+    level: Bool[np.ndarray, " n"],
+    upright: Bool[np.ndarray, " n"],
 ) -> tuple[float, float]:
-    """Lowest and highest level of note: the outermost segments with a tenth of the largest one's area."""
-    if len(heights_m) == 0:
+    """Lowest and highest level of note: the outermost segments with a tenth of the largest one's area.
+
+    Where no ceiling was seen, the walls tell the height: their middle lies half-way up.
+    """
+    if not level.any():
         return 0.0, 0.0
-    notable = heights_m[areas_m2 >= 0.1 * areas_m2.max()]
-    return float(notable.min()), float(notable.max())
+    notable = heights_m[level & (areas_m2 >= 0.1 * areas_m2[level].max())]
+    low_m, high_m = float(notable.min()), float(notable.max())
+    if upright.any():
+        middle_m = float(np.average(heights_m[upright], weights=areas_m2[upright]))
+        high_m = max(high_m, 2.0 * middle_m - low_m)
+    return low_m, high_m

@@ -68,6 +68,28 @@ def _with_ends(
     return Lines(everything[order], (np.arange(len(everything)) < len(offsets_m))[order], rank[surfel_line])
 
 
+def closed_where_seen_ends(lines: Lines, surfaces: Surfaces, axis: int) -> Lines:
+    """A second line for an axis with one: on its other side, where all that was seen ends.
+
+    A picture of a corner shows no more of the room than that.
+
+    Args:
+        lines: the only candidate.
+        surfaces: sorted evidence, Manhattan frame.
+        axis: 0 or 1.
+    """
+    level_m = np.concatenate([surfaces.floor_m, surfaces.ceiling_m, *surfaces.walls_m])[:, axis]
+    # The outermost hundredth may be noise, or what is seen through an opening.
+    low_m, high_m = np.percentile(level_m, [1, 99])
+    (only_m,) = lines.offsets_m
+    before = only_m - low_m > high_m - only_m
+    end_m = min(low_m, only_m - surfaces.pixel_m) if before else max(high_m, only_m + surfaces.pixel_m)
+    offsets_m = np.array([end_m, only_m] if before else [only_m, end_m])
+    seen = np.array([False, *lines.seen] if before else [*lines.seen, False])
+    moved = lines.surfel_line + (1 if before else 0)
+    return Lines(offsets_m, seen, np.where(lines.surfel_line >= 0, moved, -1))
+
+
 def _cluster(
     labels: Int[np.ndarray, " n"], across_m: Float[np.ndarray, " n"], area_m2: float, config: CandidateConfig
 ) -> tuple[Float[np.ndarray, " lines"], Int[np.ndarray, " n"]]:

@@ -1,9 +1,9 @@
 """What the scan says of each cell of the plan and of each border between two cells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .candidates import Lines
 from .surfaces import Surfaces
@@ -14,6 +14,9 @@ _UNDER_M = 0.25
 """Of a door of 2.1 m in a room of 2.4 m, the lintel fills this stretch below the ceiling."""
 _LINTEL_M = 0.15
 """What hangs lower than this is at another level than the ceiling: a lintel is higher, drift is less."""
+_DOOR_M = 2.1
+"""A surface overhead that is lower is a door's or a window's head and no ceiling: clear heights of doors end
+here (DIN 18101: 2.11 m), those of rooms begin higher. A room whose own ceiling is lower is exempt."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,8 @@ class Evidence:
 
     ceiling: Float[np.ndarray, "nx ny"]
     floor: Float[np.ndarray, "nx ny"]
+    heads: Float[np.ndarray, "nx ny"]
+    """Heads of doors and windows, under which no ceiling can be seen."""
     top_m: Float[np.ndarray, "nx ny"]
     """Height of the ceiling over each cell; the main level where none was seen."""
     walls: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
@@ -39,14 +44,25 @@ def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
     """
     grid = (lines[0].offsets_m, lines[1].offsets_m)
     floor = cell_coverage(surfaces.floor_m, grid, surfaces)
-    ceiling = _roofed(surfaces, grid, floor)
+    main, low = _overhead(surfaces)
+    heads = cell_coverage(surfaces.ceiling_m[low & ~main], grid, surfaces)
+    surfaces = replace(surfaces, ceiling_m=surfaces.ceiling_m[main | ~low])
+    ceiling = _roofed(surfaces, main[main | ~low], grid, floor)
     top_m = _tops(surfaces, grid)
     across_x, across_y = (_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
-    return Evidence(ceiling, floor, top_m, (across_x[0], across_y[0]), (across_x[1], across_y[1]))
+    return Evidence(ceiling, floor, heads, top_m, (across_x[0], across_y[0]), (across_x[1], across_y[1]))
+
+
+def _overhead(surfaces: Surfaces) -> tuple[Bool[np.ndarray, " c"], Bool[np.ndarray, " c"]]:
+    """Which ceiling surfels are at the main level, and which are too low for a room."""
+    heights_m = surfaces.ceiling_m[:, 2]
+    main = np.abs(heights_m - surfaces.ceiling_height_m) < _LINTEL_M
+    return main, heights_m - surfaces.floor_height_m < _DOOR_M
 
 
 def _roofed(
     surfaces: Surfaces,
+    main: Bool[np.ndarray, " c"],
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
     floor: Float[np.ndarray, "nx ny"],
 ) -> Float[np.ndarray, "nx ny"]:
@@ -55,7 +71,6 @@ def _roofed(
     At another level than the main one, a surface overhead is a ceiling only as far as there is floor below:
     without, it is the head of a window or the top of a cupboard.
     """
-    main = np.abs(surfaces.ceiling_m[:, 2] - surfaces.ceiling_height_m) < _LINTEL_M
     share = cell_coverage(surfaces.ceiling_m[main], grid, surfaces)
     whole = cell_coverage(surfaces.ceiling_m, grid, surfaces)
     return np.maximum(share, np.minimum(whole, floor))

@@ -149,12 +149,16 @@ def cell_costs(
     """What each cell costs if it is inside, nats: minus the log odds of its ceiling and floor."""
     fine, coarse = area_m2 / config.patch_m**2, area_m2 / config.unseen_m**2
     seen, unseen = _odds_of_one(config.floor_inside, config.floor_outside)
-    gain = evidence.floor * fine * seen + (1.0 - evidence.floor) * coarse * unseen
+    # What is under a door's head is a doorway's floor or the room's: it says nothing, nor does what the head
+    # hides.
+    known = 1.0 - evidence.heads
+    floor = np.minimum(evidence.floor, known)
+    gain = floor * fine * seen + (known - floor) * coarse * unseen
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
         seen, unseen = _odds_of_one(config.ceiling_inside, config.ceiling_outside)
         # Over floor that was seen the missing ceiling is no gap: somebody looked there, and it is a terrace.
-        missing = np.minimum(1.0 - evidence.ceiling, evidence.floor)
-        gain += evidence.ceiling * fine * seen
-        gain += (missing * fine + (1.0 - evidence.ceiling - missing) * coarse) * unseen
+        ceiling = np.minimum(evidence.ceiling, known)
+        missing = np.minimum(known - ceiling, floor)
+        gain += ceiling * fine * seen + (missing * fine + (known - ceiling - missing) * coarse) * unseen
     return -gain

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Int
 from indoorfit.errors import InputError
 from indoorfit.model import Note
 
-from .candidates import CandidateConfig, Lines, candidate_lines
+from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends
 from .evidence import Evidence, gather_evidence
 from .labelling import Borders, LabelConfig, label_cells
 from .level_task import Grid
@@ -71,24 +71,41 @@ def find_plan(
         overrides: walls that a person forced or forbade.
 
     Raises:
-        InputError: no closed room.
+        InputError: no room.
         ConfigError: an override that cannot be meant.
     """
     lines = candidate_lines(surfaces, candidates)
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
-    for axis, found in zip("xy", lines, strict=True):
-        if len(found.offsets_m) < 2:
-            raise InputError(
-                f"discover: {len(found.offsets_m)} wall position(s) across {axis}, a room needs two. "
-                "Fix: scan the whole room, floor and ceiling included, so that unseen walls can be inferred."
-            )
+    lines, partial = _two_each(lines, surfaces)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
     evidence = overridden_evidence(gather_evidence(surfaces, lines), forced, forbidden)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
     inside, notes = label_cells(evidence, grid, seen_m2, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
-    notes = (*override_notes(overrides, lines, _numbered(found_rooms)), *notes)
+    notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
     return Plan(lines, evidence, forced, forbidden, seen_m2, inside, found_rooms, notes)
+
+
+def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:
+    """At least two lines of each axis: where one wall was seen, the room is closed where the scan ends."""
+    closed, notes = list(lines), []
+    for axis, name in enumerate("xy"):
+        found = len(lines[axis].offsets_m)
+        if found == 0:
+            raise InputError(
+                f"discover: no wall position across {name}, a room needs two. "
+                "Fix: scan the whole room, floor and ceiling included, so that unseen walls can be inferred."
+            )
+        if found == 1:
+            closed[axis] = closed_where_seen_ends(lines[axis], surfaces, axis)
+            notes.append(
+                Note(
+                    "PARTIAL_SCAN",
+                    f"Only one wall across {name} was seen. The room is closed where the scan ends, and is "
+                    "at least as long as that; the true length is not in its interval. Scan the other side.",
+                )
+            )
+    return (closed[0], closed[1]), tuple(notes)
 
 
 def _numbered(rooms: list[Bool[np.ndarray, "nx ny"]]) -> Int[np.ndarray, "nx ny"]:

@@ -1,6 +1,7 @@
 """Which of three perpendicular directions is up, and how sure that is."""
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,12 @@ _OUTER_CONE_RAD = np.deg2rad(45.0)
 _USUAL_HEIGHT_M = 2.6
 _HEIGHT_SPREAD = 0.3
 """Storeys are 2.4 to 3.5 m high between the finished surfaces; halls are not ruled out (floor of -3)."""
+_MIN_HEIGHT_M = 1.8
+"""Two layers nearer than this are a floor and a table, or a ceiling and a beam."""
+_LAYER_M = 0.1
+_MAX_BINS = 10_000
+_MAX_LAYERS = 4
+"""Floor, ceiling, a step in one of them, and the ground outside."""
 
 
 @dataclass(frozen=True)
@@ -94,35 +101,61 @@ def _upright_score(
     positions_m: Float[np.ndarray, "surfels 3"],
     normals: Float[np.ndarray, "surfels 3"],
 ) -> float:
-    """Height as rooms have it, and how much of the ground the two end faces share."""
+    """Height as rooms have it, and how much of the ground the two end faces share.
+
+    The end faces are the two layers for which this speaks most: what lies beyond them was seen through
+    windows, a street or the house opposite.
+    """
     heights_m = positions_m @ axis
-    low_m, high_m = np.percentile(heights_m, [1, 99])
-    likely = max(-3.0, -0.5 * (np.log((high_m - low_m) / _USUAL_HEIGHT_M) / _HEIGHT_SPREAD) ** 2)
-    flat = np.abs(normals @ axis) > np.cos(_CONE_RAD)
-    reach_m = 0.15 * (high_m - low_m)
     ground = _pixels(positions_m, axis)
-    bottom = np.unique(ground[flat & (heights_m < low_m + reach_m)])
-    top = np.unique(ground[flat & (heights_m > high_m - reach_m)])
-    shared = len(np.intersect1d(bottom, top)) / max(1, len(np.unique(ground)))
-    return likely + 2.0 * shared + 2.0 * _spanning(ground, heights_m, normals @ axis, high_m - low_m)
+    cosines = np.abs(normals @ axis)
+    flat = cosines > np.cos(_CONE_RAD)
+    low_m, high_m = np.percentile(heights_m, [1, 99])
+    layers_m = _layers(heights_m[flat])
+    pairs = [(low_m, high_m), *((a, b) for a, b in combinations(layers_m, 2) if b - a > _MIN_HEIGHT_M)]
+    scores = []
+    for low_m, high_m in pairs:
+        reach_m = 0.15 * (high_m - low_m)
+        likely = max(-3.0, -0.5 * (np.log((high_m - low_m) / _USUAL_HEIGHT_M) / _HEIGHT_SPREAD) ** 2)
+        bottom = np.unique(ground[flat & (np.abs(heights_m - low_m) < reach_m)])
+        top = np.unique(ground[flat & (np.abs(heights_m - high_m) < reach_m)])
+        between = (heights_m > low_m - reach_m) & (heights_m < high_m + reach_m)
+        shared = len(np.intersect1d(bottom, top)) / max(1, len(np.unique(ground[between])))
+        upright = between & (cosines < np.sin(_CONE_RAD))
+        scores.append(
+            likely + 2.0 * shared + 2.0 * _spanning(ground[upright], heights_m[upright], high_m - low_m)
+        )
+    return max(scores)
+
+
+def _layers(heights_m: Float[np.ndarray, " flat"]) -> Float[np.ndarray, " layers"]:
+    """Heights where most level surfels lie, at most `_MAX_LAYERS`, from below."""
+    if len(heights_m) == 0:
+        return np.zeros(0)
+    low_m, high_m = np.percentile(heights_m, [0.5, 99.5])
+    # A unit taken wrongly makes a room of kilometres.
+    step_m = max(_LAYER_M, (high_m - low_m) / _MAX_BINS)
+    edges = np.arange(low_m - step_m, high_m + 2.0 * step_m, step_m)
+    counts = np.convolve(np.histogram(heights_m, edges)[0], [0.5, 1.0, 0.5], mode="same")
+    peaks = np.flatnonzero((counts[1:-1] > counts[:-2]) & (counts[1:-1] >= counts[2:])) + 1
+    most = peaks[np.argsort(-counts[peaks], kind="stable")[:_MAX_LAYERS]]
+    return np.sort(edges[most] + 0.5 * step_m)
 
 
 def _spanning(
-    ground: Int[np.ndarray, " surfels"],
-    heights_m: Float[np.ndarray, " surfels"],
-    cosines: Float[np.ndarray, " surfels"],
-    height_m: float,
+    ground: Int[np.ndarray, " walls"], heights_m: Float[np.ndarray, " walls"], height_m: float
 ) -> float:
     """Share of the columns with wall in them where it runs from near one end to near the other.
 
     Walls go from floor to ceiling; laid on its side, a room with a notch has faces that stop half-way.
     """
-    wall = np.abs(cosines) < np.sin(_CONE_RAD)
-    _, column = np.unique(ground[wall], return_inverse=True)
+    if len(ground) == 0:
+        return 0.0
+    _, column = np.unique(ground, return_inverse=True)
     low_m = np.full(column.max(initial=0) + 1, np.inf)
     high_m = np.full(column.max(initial=0) + 1, -np.inf)
-    np.minimum.at(low_m, column, heights_m[wall])
-    np.maximum.at(high_m, column, heights_m[wall])
+    np.minimum.at(low_m, column, heights_m)
+    np.maximum.at(high_m, column, heights_m)
     return float(np.mean(high_m - low_m > 0.8 * height_m))
 
 
