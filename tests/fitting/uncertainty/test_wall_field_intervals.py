@@ -32,7 +32,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
     field = build_field(room.cells)
     inflation = np.zeros(len(room.cells.plane))
     inflation[::7] = 1e-3
-    for phi in (np.log([5e-3, 1.0, 3e-3]), np.log([2e-2, 0.3, 1e-4])):
+    for phi in (np.log([5e-3, 1.0, 3e-3, 1e-3]), np.log([2e-2, 0.3, 1e-4, 1e-2])):
         gradient = evaluate(field, phi, inflation).gradient
         step = 1e-5
         numeric = [
@@ -41,7 +41,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
                 - evaluate(field, phi - move, inflation).log_likelihood
             )
             / (2 * step)
-            for move in step * np.eye(3)
+            for move in step * np.eye(4)
         ]
         # Central differences: truncation 1e-10 and rounding 1e-13 * |l| / step, |l| about 1e3.
         np.testing.assert_allclose(gradient, numeric, rtol=1e-5, atol=1e-4)
@@ -50,7 +50,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
 def test_batched_likelihood_equals_single_evaluations(room) -> None:
     field = build_field(room.cells)
     inflation = np.zeros(len(room.cells.plane))
-    phis = np.log(np.array([[5e-3, 1.0, 3e-3], [2e-2, 0.5, 1e-3], [1e-4, 2.0, 1e-2]]))
+    phis = np.log(np.array([[5e-3, 1.0, 3e-3, 1e-3], [2e-2, 0.5, 1e-3, 1e-2], [1e-4, 2.0, 1e-2, 1e-5]]))
     values, steps, _ = log_likelihoods(field, phis, inflation)
     for phi, value, step in zip(phis, values, steps, strict=True):
         single = evaluate(field, phi, inflation)
@@ -62,7 +62,7 @@ def test_batched_likelihood_equals_single_evaluations(room) -> None:
 def test_left_out_residual_is_the_error_of_prediction_without_the_cell(room) -> None:
     # A 1 km^2 inflation takes a cell's information away; its residual is then the prediction error.
     field = build_field(room.cells)
-    phi = np.log([1e-2, 1.0, 3e-3])
+    phi = np.log([1e-2, 1.0, 3e-3, 1e-3])
     fit = evaluate(field, phi, np.zeros(len(room.cells.plane)))
     for cell in (0, 5, 17):
         gone = np.zeros(len(room.cells.plane))
@@ -122,7 +122,7 @@ def test_order_of_the_cells_does_not_matter(room) -> None:
 def test_sandwich_equals_least_squares_when_weights_match() -> None:
     # Without a field, V is diagonal; weights 1 / V make the sandwich the Gauss-Markov covariance.
     cells = simulate_cell_room(5, REGIMES["p0"]).cells
-    phi = np.log([1e-9, 1.0, 2e-3])
+    phi = np.log([1e-9, 1.0, 2e-3, 1e-9])
     field = build_field(cells)
     zero = np.zeros(len(cells.plane))
     precisions = 1.0 / (cells.variances_m2 + np.exp(2 * phi[2]))

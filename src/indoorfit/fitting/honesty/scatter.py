@@ -20,7 +20,7 @@ def misfit_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
     """
     screened = evidence.wall.screened
     noise = evidence.wall.noise
-    phi = np.log([noise[name]["median"] for name in ("tau_m", "length_m", "eta_m")])
+    phi = np.log([noise[name]["median"] for name in ("tau_m", "length_m", "eta_m", "tilt_rad")])
     none = np.zeros(len(evidence.cells.plane))
     found = []
     for block in build_field(evidence.cells).blocks:
