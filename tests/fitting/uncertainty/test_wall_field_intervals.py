@@ -145,6 +145,30 @@ def test_common_offset_of_walls_widens_lengths_but_not_heights(room) -> None:
         assert ratio > 1.05 if kind != "height" else ratio == pytest.approx(1.0, abs=1e-9)
 
 
+def test_walls_that_are_turned_as_a_whole_are_believed_to_have_moved() -> None:
+    clean = simulate_cell_room(5, REGIMES["p0"])
+    cells = clean.cells
+    rng = np.random.default_rng(1)
+    turned = cells.residuals_m.copy()
+    for plane in np.unique(cells.plane):
+        own = cells.plane == plane
+        places = np.delete(cells.centroids_m[own], cells.axes[own][0], axis=1)
+        turned[own] += (places - places.mean(axis=0)) @ (3e-3 * rng.standard_normal(2))
+    answers = [
+        wall_field_predictive(
+            replace(cells, residuals_m=residuals_m), clean.contrasts, CONFIG, np.random.default_rng(0)
+        )
+        for residuals_m in (cells.residuals_m, turned)
+    ]
+    tilts = [answer.noise["tilt_rad"]["median"] for answer in answers]
+    # 3 mrad from some twenty slopes: a factor of two is four standard errors.
+    assert 1.5e-3 < tilts[1] < 6e-3
+    assert tilts[0] < 0.5e-3
+    lengths = np.array([kind != "height" for kind in clean.kinds])
+    # The lever of one metre, for either wall: at least half of it.
+    assert np.all(answers[1].std[lengths] > 0.5 * np.sqrt(2.0) * 3e-3)
+
+
 def test_clean_scans_get_intervals_of_at_most_twice_the_point_noise() -> None:
     ratios = []
     for seed in range(300, 312):
