@@ -89,7 +89,7 @@ def summarise(
 
 
 _USUAL_DOF = 2.0
-"""Degrees of freedom for which the plane's usual spread counts beside the patch's own: few, since patches seen
+"""Degrees of freedom that the usual spread counts for beside the patch's own: few, since patches seen
 from near and far differ by factors."""
 _MAD_EFFICIENCY = 0.37
 """Of the MAD as a measure of spread, against the standard deviation of a Gaussian."""

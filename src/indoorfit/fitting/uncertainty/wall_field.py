@@ -73,6 +73,10 @@ class WallFieldConfig:
     """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
     shows. Floor and ceiling are in view all along. 0 is right where every wall was passed twice or more."""
+    wall_dof: float = 4.0
+    """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1).
+    One that hangs on a slipped block of frames does not: its own residuals then widen what is said of it,
+    and never narrow it, since a wall seen from one place is smooth because nothing contradicts it."""
     screen_sigmas: float = 4.5
     """Cells whose left-out residual exceeds this many robust sigmas count as contaminated. Scores have the
     tails of Student's t with 4 degrees of freedom, since walls differ in how badly they are registered:
@@ -173,14 +177,17 @@ def _screen(
 def sandwich_predictive(
     cells: Cells, contrasts: Contrasts, fit: WallFieldFit, hyper: HyperDraws, config: WallFieldConfig
 ) -> Predictive:
-    """Student-t estimate with covariance ``L V(phi) L^T`` for every draw of phi."""
+    """Student-t estimate with covariance ``L V(phi) L^T`` for every draw of phi, restless walls scaled up."""
     linear = weighted_map(cells, student_t_precisions(cells, config.student_dof))
     covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
+    unrest = np.ones((len(hyper.points), cells.n_params - ROTATIONS))
     for block in fit.field.blocks:
-        part = linear[:, block.rows]
-        for covariance, phi in zip(covariances, hyper.points, strict=True):
-            covariance += part @ block_covariance(block, phi, fit.inflation_m2) @ part.T
-    _add_face_offsets(covariances, cells, hyper, config)
+        part, plane = linear[:, block.rows], cells.plane[block.rows[0]]
+        for k, phi in enumerate(hyper.points):
+            covariance = block_covariance(block, phi, fit.inflation_m2)
+            unrest[k, plane] = _unrest(block.target_m, covariance, config.wall_dof)
+            covariances[k] += unrest[k, plane] * (part @ covariance @ part.T)
+    _add_face_offsets(covariances, cells, hyper, config, unrest)
     theta = contrasts.estimate + linear @ cells.residuals_m
     return Predictive(
         weights=hyper.weights,
@@ -195,11 +202,33 @@ def sandwich_predictive(
     )
 
 
+_MIN_UNREST_CELLS = 4
+"""Fewer patches say nothing of a wall's own scale."""
+
+
+def _unrest(
+    residuals_m: Float[np.ndarray, " rows"], covariance_m2: Float[np.ndarray, "rows rows"], dof: float
+) -> float:
+    """By how much one wall's residuals exceed, in variance, what the room's noise model says; at least 1.
+
+    The posterior mean of the scale of a Student-t process (Shah, Wilson and Ghahramani 2014), with the wall's
+    offset taken out by generalised least squares.
+    """
+    n = len(residuals_m)
+    if n < _MIN_UNREST_CELLS:
+        return 1.0
+    both = np.column_stack([residuals_m, np.ones(n)])
+    gram = both.T @ np.linalg.solve(covariance_m2, both)
+    square = float(gram[0, 0] - gram[0, 1] ** 2 / gram[1, 1])
+    return max(1.0, (dof + square) / (dof + n - 1))
+
+
 def _add_face_offsets(
     covariances: Float[np.ndarray, "draws params params"],
     cells: Cells,
     hyper: HyperDraws,
     config: WallFieldConfig,
+    unrest: Float[np.ndarray, "draws planes"] | None = None,
 ) -> None:
     """Add the walls' common offsets, in place: a share of tau^2, and the tilt over its lever.
 
@@ -210,7 +239,7 @@ def _add_face_offsets(
     columns = ROTATIONS + walls
     variance = config.face_share * np.exp(2 * hyper.points[:, LOG_TAU])
     variance += config.lever_m**2 * np.exp(2 * hyper.points[:, LOG_TILT])
-    covariances[:, columns, columns] += variance[:, None]
+    covariances[:, columns, columns] += variance[:, None] * (1.0 if unrest is None else unrest[:, walls])
 
 
 def gls_predictive(
