@@ -28,7 +28,7 @@ def flatness_notes(evidence: Evidence, config: HonestyConfig, field: WallFieldCo
     Every face gets two slopes and two bows of its own beside its offset, and the wall field is estimated
     anew: a tilted wall must not pass as one that wanders. A face is reported where one of them is larger than
     `tilt_sigmas` of its standard uncertainty (more for many faces, so that a false alarm is as likely as in a
-    single test), and moves its ends by more than its position's own interval.
+    single test), and moves its ends by more than its position's own interval, or that of half of the faces.
     """
     planes = evidence.cells.plane
     judged = [k for k in evidence.judged if np.sum(planes == k) >= _MIN_CELLS]
@@ -37,6 +37,8 @@ def flatness_notes(evidence: Evidence, config: HonestyConfig, field: WallFieldCo
     cells, halves_m = _freed(evidence, judged)
     effects_m, stds_m = _effects(cells, len(judged), field)
     limits_m = U95 * evidence.offset_std_m[judged]
+    # A spoilt wall has widened its own interval, and would raise its own bar.
+    limits_m = np.minimum(limits_m, np.median(limits_m))
     factor = _for_all(config.tilt_sigmas, int(np.isfinite(stds_m).sum()))
     found = (np.abs(effects_m) > factor * stds_m) & (np.abs(effects_m) > limits_m[:, None])
     notes = []
