@@ -24,7 +24,7 @@ from indoorfit.simulate import SamplingSettings, room_shape, sample_surface
 _DRAWS = 99
 """Kept from each chain, so that there are 100 ranks."""
 _BINS = 10
-_NAMES = ("log_tau", "log_length", "log_eta")
+_NAMES = ("log_tau", "log_length", "log_eta", "log_tilt")
 
 
 def rank_histograms(n_rooms: int, seed: int) -> dict[str, Any]:
@@ -55,13 +55,13 @@ def rank_histograms(n_rooms: int, seed: int) -> dict[str, Any]:
     }
 
 
-def _ranks(cells: Cells, config: WallFieldConfig, rng: np.random.Generator) -> Float[np.ndarray, " 3"] | None:
+def _ranks(cells: Cells, config: WallFieldConfig, rng: np.random.Generator) -> Float[np.ndarray, " 4"] | None:
     """Ranks of one room's true scales; None where the chain did not converge."""
     means, stds = prior_moments(config)
     bounds = hyper_bounds(config)
-    truth = means + stds * rng.standard_normal(3)
+    truth = means + stds * rng.standard_normal(4)
     while np.any((truth < bounds[:, 0]) | (truth > bounds[:, 1])):
-        truth = means + stds * rng.standard_normal(3)
+        truth = means + stds * rng.standard_normal(4)
     residuals_m = np.empty(len(cells.plane))
     none = np.zeros(len(cells.plane))
     for block in build_field(cells).blocks:
@@ -70,7 +70,7 @@ def _ranks(cells: Cells, config: WallFieldConfig, rng: np.random.Generator) -> F
     drawn = Cells(cells.plane, cells.design, cells.centroids_m, residuals_m, cells.variances_m2, cells.counts)
     fit = fit_wall_field(drawn, config)
     sampler = SamplerConfig(walkers=24, min_effective=600.0, max_rhat=1.05)
-    start: list[Float[np.ndarray, " 3"]] = []
+    start: list[Float[np.ndarray, " 4"]] = []
     while len(start) < sampler.walkers:
         points, _ = draw_student_t(fit.mode, sampler.walkers, np.inf, rng)
         kept = points[np.isfinite(log_posteriors(fit, config, points))]
@@ -83,6 +83,6 @@ def _ranks(cells: Cells, config: WallFieldConfig, rng: np.random.Generator) -> F
     )
     if not diagnostics.converged:
         return None
-    flat = chain.reshape(-1, 3)
+    flat = chain.reshape(-1, 4)
     picked = flat[rng.choice(len(flat), _DRAWS, replace=False)]
     return np.sum(fit.mode.point + picked @ fit.mode.root.T < truth, axis=0).astype(float)

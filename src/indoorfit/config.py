@@ -42,8 +42,9 @@ class RunConfig:
     seed: int = 0
     """Seed of everything random: the same seed gives the same bytes."""
     sample: bool = False
-    """Sample the scales of the noise model by Markov chains (emcee) in place of the analytic approximation:
-    slower by some seconds, within a few per cent of it, and a check of it."""
+    """Sample the scales of the walls' noise model by Markov chains (emcee) in place of the analytic
+    approximation: slower by some seconds, within a few per cent of it, and a check of it. The scales of the
+    frames' slips, where frame ids are used, stay analytic."""
     thin: ThinConfig = field(default_factory=ThinConfig)
     surfels: SurfelConfig = field(default_factory=SurfelConfig)
     orient: OrientConfig = field(default_factory=OrientConfig)

@@ -132,3 +132,23 @@ def test_planes_far_from_everything_claim_nothing():
     patches = associate(np.full((100, 3), 50.0), shape, AssociationConfig(), PIXEL_M)
     assert len(patches.patches.plane) == 0
     np.testing.assert_array_equal(patches.coverage, 0.0)
+
+
+def test_few_points_that_agree_by_chance_do_not_outweigh_the_plane():
+    scan, points_m, _ = patches_of("box", 6, n_points=20_000)
+    # Of one patch of the wall only five points are left, and they agree to a micrometre.
+    exposure = next(e for e in exposures(scan.shape) if e.axis == 0)
+    plane = scan.shape.planes[exposure.plane]
+    near = np.abs(points_m[:, 0] - plane.offset_m) < 0.1
+    corner = near & (points_m[:, 1] < points_m[:, 1].min() + 0.7) & (points_m[:, 2] < 0.7)
+    few = np.flatnonzero(corner & (points_m[:, 1] > points_m[:, 1].min() + 0.1) & (points_m[:, 2] > 0.1))[:5]
+    kept = ~corner
+    kept[few] = True
+    points_m = points_m.copy()
+    points_m[few, 0] = plane.offset_m + 1e-6 * np.arange(5)
+    found = associate(points_m[kept], scan.shape, AssociationConfig(), PIXEL_M).patches
+    own = found.plane == exposure.plane
+    spread_m = np.sqrt(found.variances_m2 * found.counts)[own]
+    assert found.counts[own].min() < 10
+    # Five points count as much as two degrees of freedom of the usual spread: more than a half of it.
+    assert spread_m.min() > 0.5 * np.median(spread_m)

@@ -14,6 +14,7 @@ from indoorfit.fitting import (
     fit_joint,
     type_b_of,
 )
+from indoorfit.fitting.belief import edge_exchange_covariance
 from synthetic import virtual
 
 PIXEL_M = 0.15
@@ -142,3 +143,24 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         inside += list((found.low <= truth) & (truth <= found.high))
     # 36 of level 0.8: between 60 % and 100 % but for a chance of 0.3 %.
     assert 0.6 <= np.mean(inside)
+
+
+def test_noise_along_the_line_of_sight_counts_for_both_faces_of_a_length_and_not_for_a_step():
+    shape = virtual("L", 1, n_points=1000).shape
+    rms_m = np.full(len(shape.planes), 0.02)
+    covariance_m2 = edge_exchange_covariance(shape, rms_m)
+    axes = np.array([plane.axis for plane in shape.planes])
+    outward = np.array([plane.outward for plane in shape.planes])
+    for axis in (0, 1):
+        own = np.flatnonzero(axes == axis)
+        low, *_, high = own[np.argsort(shape.offsets_m[own])]
+        row = np.zeros(len(axes))
+        row[low], row[high] = -1.0, 1.0
+        mean_m = 4.0 * 0.02**2 / (shape.offsets_m[high] - shape.offsets_m[low])
+        # Two means, since both faces come inwards, and two variances of mean^2 / 3.
+        assert row @ covariance_m2 @ row == pytest.approx((4.0 + 2.0 / 3.0) * mean_m**2, rel=1e-9)
+        pair = own[outward[own] == outward[low]][:2]
+        if len(pair) == 2:
+            step = np.zeros(len(axes))
+            step[pair[0]], step[pair[1]] = -1.0, 1.0
+            assert step @ covariance_m2 @ step == pytest.approx(2.0 / 3.0 * mean_m**2, rel=1e-9)

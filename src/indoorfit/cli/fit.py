@@ -43,8 +43,8 @@ class FitCommand:
     Default: chosen by the data where frame ids and sensor poses decide it, which is said; else unknown:
     nothing is added, and the output says so."""
     sample: bool = False
-    """Sample the noise model by Markov chains (emcee) instead of the analytic approximation; refuses to
-    report from chains that have not converged."""
+    """Sample the noise model of the walls by Markov chains (emcee) instead of the analytic approximation;
+    refuses to report from chains that have not converged. That of the frames' slips stays analytic."""
     format: tuple[FormatName, ...] = ()
     """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
     pdf: bool = False

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from indoorfit.errors import ConfigError, SamplingError
-from indoorfit.geometry import exposures, room_of_planes
+from indoorfit.geometry import room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
 from .residuals import with_inferred
@@ -118,7 +118,7 @@ def believe(
     theta = np.concatenate([np.zeros(3), shape.offsets_m])
     contrasts = Contrasts(_parallel_gaps(shape), theta)
     everything = with_inferred(cells, shape, inferred_std_m)
-    extra = np.diag(np.concatenate([np.zeros(3), np.square(edge_exchange_std(shape, plane_rms_m))]))
+    extra = np.pad(edge_exchange_covariance(shape, plane_rms_m), ((3, 0), (3, 0)))
     if sampler is None:
         wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
     else:
@@ -238,24 +238,35 @@ def _inconsistent_note(n_torn: int, n_gaps: int, gap_m: float) -> Note:
     )
 
 
-def edge_exchange_std(
+def edge_exchange_covariance(
     shape: Shape, plane_rms_m: Float[np.ndarray, " planes"]
-) -> Float[np.ndarray, " planes"]:
-    """How far noise along the line of sight may shift a plane through the edges of its face.
+) -> Float[np.ndarray, "planes planes"]:
+    """How far noise along the line of sight may shift planes through the edges of their faces, m^2.
 
     Such noise moves a point across the wall and along it at once. At the edge of a face the points that
-    come in and those that go out are therefore on different sides of the plane, which shifts its mean by
-    sigma^2 sin(a) cos(a) / width per edge, a the angle of incidence: at most half of sigma^2 / width.
+    come in and those that go out are therefore on different sides of the plane, which shifts its mean
+    inwards by s^2 tan(a) / width per edge, s the spread across the plane and a the angle of incidence at
+    the edge. From a place at the distance h the tangents at two opposite edges add up to width / h, so that
+    the four edges of a face together shift it by 2 s^2 / h, whatever its size. h is half of the room's
+    extent on average over opposite faces.
+
+    This is no noise that averages out, but a bias of both faces of a length alike. The values are not
+    corrected for it, since nobody knows where the sensor stood or whether its noise was along the line of
+    sight at all; the matrix holds second moments about zero of a bias between nothing and twice that of the
+    room's middle, evenly distributed (JCGM 100, 4.3.7 and F.2.4.5): its mean m is the same for all faces, its
+    standard deviation m / sqrt(3) each face's own.
 
     Args:
         shape: fitted.
         plane_rms_m: spread of the points about each plane, metres.
     """
-    std_m = np.zeros(len(shape.planes))
-    for exposure in exposures(shape):
-        columns, rows = np.any(exposure.mask, axis=1), np.any(exposure.mask, axis=0)
-        if not columns.any():
-            continue
-        widths_m = np.array([np.diff(exposure.u_m)[columns].sum(), np.diff(exposure.v_m)[rows].sum()])
-        std_m[exposure.plane] = 0.5 * plane_rms_m[exposure.plane] ** 2 * float(np.sum(1.0 / widths_m))
-    return std_m
+    room_of = room_of_planes(shape)
+    rooms = np.array([room_of.get(k, "") for k in range(len(shape.planes))])
+    axes = np.array([plane.axis for plane in shape.planes])
+    mean_m = np.zeros(len(axes))
+    for k, rms_m in enumerate(plane_rms_m):
+        extent_m = float(np.ptp(shape.offsets_m[(axes == axes[k]) & (rooms == rooms[k])]))
+        if extent_m > 0.0:
+            mean_m[k] = 4.0 * rms_m**2 / extent_m
+    inward_m = mean_m * np.array([plane.outward for plane in shape.planes])
+    return np.outer(inward_m, inward_m) + np.diag(mean_m**2 / 3.0)

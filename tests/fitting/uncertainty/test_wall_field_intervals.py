@@ -32,7 +32,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
     field = build_field(room.cells)
     inflation = np.zeros(len(room.cells.plane))
     inflation[::7] = 1e-3
-    for phi in (np.log([5e-3, 1.0, 3e-3]), np.log([2e-2, 0.3, 1e-4])):
+    for phi in (np.log([5e-3, 1.0, 3e-3, 1e-3]), np.log([2e-2, 0.3, 1e-4, 1e-2])):
         gradient = evaluate(field, phi, inflation).gradient
         step = 1e-5
         numeric = [
@@ -41,7 +41,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
                 - evaluate(field, phi - move, inflation).log_likelihood
             )
             / (2 * step)
-            for move in step * np.eye(3)
+            for move in step * np.eye(4)
         ]
         # Central differences: truncation 1e-10 and rounding 1e-13 * |l| / step, |l| about 1e3.
         np.testing.assert_allclose(gradient, numeric, rtol=1e-5, atol=1e-4)
@@ -50,7 +50,7 @@ def test_likelihood_gradient_agrees_with_central_differences(room) -> None:
 def test_batched_likelihood_equals_single_evaluations(room) -> None:
     field = build_field(room.cells)
     inflation = np.zeros(len(room.cells.plane))
-    phis = np.log(np.array([[5e-3, 1.0, 3e-3], [2e-2, 0.5, 1e-3], [1e-4, 2.0, 1e-2]]))
+    phis = np.log(np.array([[5e-3, 1.0, 3e-3, 1e-3], [2e-2, 0.5, 1e-3, 1e-2], [1e-4, 2.0, 1e-2, 1e-5]]))
     values, steps, _ = log_likelihoods(field, phis, inflation)
     for phi, value, step in zip(phis, values, steps, strict=True):
         single = evaluate(field, phi, inflation)
@@ -62,7 +62,7 @@ def test_batched_likelihood_equals_single_evaluations(room) -> None:
 def test_left_out_residual_is_the_error_of_prediction_without_the_cell(room) -> None:
     # A 1 km^2 inflation takes a cell's information away; its residual is then the prediction error.
     field = build_field(room.cells)
-    phi = np.log([1e-2, 1.0, 3e-3])
+    phi = np.log([1e-2, 1.0, 3e-3, 1e-3])
     fit = evaluate(field, phi, np.zeros(len(room.cells.plane)))
     for cell in (0, 5, 17):
         gone = np.zeros(len(room.cells.plane))
@@ -122,7 +122,7 @@ def test_order_of_the_cells_does_not_matter(room) -> None:
 def test_sandwich_equals_least_squares_when_weights_match() -> None:
     # Without a field, V is diagonal; weights 1 / V make the sandwich the Gauss-Markov covariance.
     cells = simulate_cell_room(5, REGIMES["p0"]).cells
-    phi = np.log([1e-9, 1.0, 2e-3])
+    phi = np.log([1e-9, 1.0, 2e-3, 1e-9])
     field = build_field(cells)
     zero = np.zeros(len(cells.plane))
     precisions = 1.0 / (cells.variances_m2 + np.exp(2 * phi[2]))
@@ -143,6 +143,30 @@ def test_common_offset_of_walls_widens_lengths_but_not_heights(room) -> None:
     wider = with_share.std / without.std
     for kind, ratio in zip(room.kinds, wider, strict=True):
         assert ratio > 1.05 if kind != "height" else ratio == pytest.approx(1.0, abs=1e-9)
+
+
+def test_walls_that_are_turned_as_a_whole_are_believed_to_have_moved() -> None:
+    clean = simulate_cell_room(5, REGIMES["p0"])
+    cells = clean.cells
+    rng = np.random.default_rng(1)
+    turned = cells.residuals_m.copy()
+    for plane in np.unique(cells.plane):
+        own = cells.plane == plane
+        places = np.delete(cells.centroids_m[own], cells.axes[own][0], axis=1)
+        turned[own] += (places - places.mean(axis=0)) @ (3e-3 * rng.standard_normal(2))
+    answers = [
+        wall_field_predictive(
+            replace(cells, residuals_m=residuals_m), clean.contrasts, CONFIG, np.random.default_rng(0)
+        )
+        for residuals_m in (cells.residuals_m, turned)
+    ]
+    tilts = [answer.noise["tilt_rad"]["median"] for answer in answers]
+    # 3 mrad from some twenty slopes: a factor of two is four standard errors.
+    assert 1.5e-3 < tilts[1] < 6e-3
+    assert tilts[0] < 0.5e-3
+    lengths = np.array([kind != "height" for kind in clean.kinds])
+    # The lever of one metre, for either wall: at least half of it.
+    assert np.all(answers[1].std[lengths] > 0.5 * np.sqrt(2.0) * 3e-3)
 
 
 def test_clean_scans_get_intervals_of_at_most_twice_the_point_noise() -> None:

@@ -1,5 +1,7 @@
 """Is each face flat and parallel to the others, so that one number can be its distance?"""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.special import ndtr, ndtri
@@ -14,6 +16,8 @@ from .evidence import U95, Evidence
 
 _SHAPES = 4
 """Extra columns per plane: slope and bow along either axis within it."""
+_NO_TILT_RAD = 1e-6
+_KNOWN_LOG_STD = 0.01
 _MIN_CELLS = 8
 """Fewer cells cannot tell an offset, two slopes and two bows from noise."""
 
@@ -24,7 +28,7 @@ def flatness_notes(evidence: Evidence, config: HonestyConfig, field: WallFieldCo
     Every face gets two slopes and two bows of its own beside its offset, and the wall field is estimated
     anew: a tilted wall must not pass as one that wanders. A face is reported where one of them is larger than
     `tilt_sigmas` of its standard uncertainty (more for many faces, so that a false alarm is as likely as in a
-    single test), and moves its ends by more than its position's own interval.
+    single test), and moves its ends by more than its position's own interval, or that of half of the faces.
     """
     planes = evidence.cells.plane
     judged = [k for k in evidence.judged if np.sum(planes == k) >= _MIN_CELLS]
@@ -33,6 +37,8 @@ def flatness_notes(evidence: Evidence, config: HonestyConfig, field: WallFieldCo
     cells, halves_m = _freed(evidence, judged)
     effects_m, stds_m = _effects(cells, len(judged), field)
     limits_m = U95 * evidence.offset_std_m[judged]
+    # A spoilt wall has widened its own interval, and would raise its own bar.
+    limits_m = np.minimum(limits_m, np.median(limits_m))
     factor = _for_all(config.tilt_sigmas, int(np.isfinite(stds_m).sum()))
     found = (np.abs(effects_m) > factor * stds_m) & (np.abs(effects_m) > limits_m[:, None])
     notes = []
@@ -130,7 +136,9 @@ def _effects(
 ) -> tuple[Float[np.ndarray, "faces 4"], Float[np.ndarray, "faces 4"]]:
     """Slopes and bows with their standard uncertainties, metres at the faces' ends; zero where not free."""
     # Screened anew, too: what a plane contradicts may be what a tilted plane explains.
-    fit = fit_wall_field(cells, config)
+    # Slopes are free here: a field that has them, too, could be any part of them.
+    straight = replace(config, tilt_median_rad=_NO_TILT_RAD, tilt_log_std=_KNOWN_LOG_STD)
+    fit = fit_wall_field(cells, straight)
     _, steps, covariances = log_likelihoods(fit.field, fit.mode.point[None], fit.inflation_m2)
     values, variances = np.zeros(cells.n_params), np.full(cells.n_params, np.inf)
     values[cells.seen], variances[cells.seen] = steps[0], np.diagonal(covariances[0])

@@ -20,7 +20,7 @@ def misfit_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
     """
     screened = evidence.wall.screened
     noise = evidence.wall.noise
-    phi = np.log([noise[name]["median"] for name in ("tau_m", "length_m", "eta_m")])
+    phi = np.log([noise[name]["median"] for name in ("tau_m", "length_m", "eta_m", "tilt_rad")])
     none = np.zeros(len(evidence.cells.plane))
     found = []
     for block in build_field(evidence.cells).blocks:
@@ -44,7 +44,7 @@ def misfit_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
         Note(
             "MISFIT",
             f"More scatter than the noise model has for the room as a whole: {parts}. Intervals of lengths "
-            "that end there are too narrow by about that factor. Look there for what is not wall; scan it "
+            "that end there have been widened for it. Look there for what is not wall; scan it "
             "again or measure by hand.",
         ),
     )

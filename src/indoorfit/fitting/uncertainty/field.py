@@ -1,8 +1,11 @@
 """Restricted likelihood of a Gaussian-process field on every plane, with theta integrated analytically.
 
-    y = A theta + g + e,   g ~ tau^2 exp(-h / l) within a plane,   e_j ~ N(0, eta^2 + s_j^2 + x_j)
+    y = A theta + g + e,   g ~ tau^2 exp(-h / l) + tilt^2 q . q' within a plane,
+    e_j ~ N(0, eta^2 + s_j^2 + x_j)
 
-Hyper-parameters are phi = log(tau, l, eta), metres. V is block-diagonal over the planes, so one evaluation is
+q is the place on the plane, from the middle of its cells: the second part is a rotation of the plane as a
+whole, as of a wall that was seen from one badly registered place. Hyper-parameters are
+phi = log(tau, l, eta, tilt), metres and radians. V is block-diagonal over the planes, so one evaluation is
 a loop over small blocks. Source: Patterson and Thompson 1971 (REML).
 """
 
@@ -15,7 +18,7 @@ from scipy.linalg import get_lapack_funcs
 from .cells import Cells
 from .location import ridge
 
-LOG_TAU, LOG_LENGTH, LOG_ETA = 0, 1, 2
+LOG_TAU, LOG_LENGTH, LOG_ETA, LOG_TILT = 0, 1, 2, 3
 
 # LAPACK directly: numpy's checks cost more than the factorisation of a wall's block.
 _POTRF, _POTRI = get_lapack_funcs(("potrf", "potri"), dtype=np.float64)
@@ -33,6 +36,8 @@ class Block:
     """A = -d residual / d theta."""
     target_m: Float[np.ndarray, " rows"]
     distance_m: Float[np.ndarray, "rows rows"]
+    lever_m2: Float[np.ndarray, "rows rows"]
+    """Products of the places on the plane, counted from the middle of the cells."""
     variance_m2: Float[np.ndarray, " rows"]
     """s_j^2, what the points alone leave."""
 
@@ -53,7 +58,7 @@ class FieldFit:
     """One evaluation at one phi."""
 
     log_likelihood: float
-    gradient: Float[np.ndarray, " 3"]
+    gradient: Float[np.ndarray, " 4"]
     step: Float[np.ndarray, " seen"]
     """Generalised least squares estimate of theta minus the linearisation point."""
     left_out_m: Float[np.ndarray, " cells"]
@@ -71,6 +76,7 @@ def build_field(cells: Cells) -> Field:
         rows = np.flatnonzero(cells.plane == plane)
         columns = np.flatnonzero(np.any(design[rows] != 0.0, axis=0))
         centroids = cells.centroids_m[rows]
+        within = np.delete(centroids - centroids.mean(axis=0), cells.axes[rows[0]], axis=1)
         blocks.append(
             Block(
                 rows,
@@ -78,6 +84,7 @@ def build_field(cells: Cells) -> Field:
                 design[np.ix_(rows, columns)],
                 cells.residuals_m[rows],
                 np.linalg.norm(centroids[:, None] - centroids[None], axis=2),
+                within @ within.T,
                 cells.variances_m2[rows],
             )
         )
@@ -85,11 +92,11 @@ def build_field(cells: Cells) -> Field:
 
 
 def block_covariance(
-    block: Block, phi: Float[np.ndarray, " 3"], inflation_m2: Float[np.ndarray, " cells"]
+    block: Block, phi: Float[np.ndarray, " 4"], inflation_m2: Float[np.ndarray, " cells"]
 ) -> Float[np.ndarray, "rows rows"]:
     """V of one plane, m^2."""
-    tau, length, eta = np.exp(phi)
-    covariance = tau**2 * np.exp(block.distance_m / -length)
+    tau, length, eta, tilt = np.exp(phi)
+    covariance = tau**2 * np.exp(block.distance_m / -length) + tilt**2 * block.lever_m2
     covariance[np.diag_indices_from(covariance)] += eta**2 + block.variance_m2 + inflation_m2[block.rows]
     return covariance
 
@@ -107,23 +114,23 @@ def _inverse(covariance: Float[np.ndarray, "rows rows"]) -> tuple[Float[np.ndarr
 
 
 def evaluate(
-    field: Field, phi: Float[np.ndarray, " 3"], inflation_m2: Float[np.ndarray, " cells"]
+    field: Field, phi: Float[np.ndarray, " 4"], inflation_m2: Float[np.ndarray, " cells"]
 ) -> FieldFit:
     """Log restricted likelihood (up to a constant), its exact gradient, and the left-out residuals.
 
     Args:
         field: blocks of a room.
-        phi: log of tau, l, eta in metres.
+        phi: log of tau, l, eta in metres and tilt in radians.
         inflation_m2: x_j, extra variance of cells that the rest of the wall contradicts.
     """
     size = len(field.precision)
     normal, right = np.diag(field.precision), np.zeros(size)
     log_det = 0.0
     parts = []
-    tau, length, eta = np.exp(phi)
+    tau, length, eta, tilt = np.exp(phi)
     for block in field.blocks:
         shape = np.exp(block.distance_m / -length)
-        covariance = tau**2 * shape
+        covariance = tau**2 * shape + tilt**2 * block.lever_m2
         covariance.flat[:: len(shape) + 1] += eta**2 + block.variance_m2 + inflation_m2[block.rows]
         inverse, block_log_det = _inverse(covariance)
         log_det += block_log_det
@@ -136,7 +143,7 @@ def evaluate(
     step = step_covariance @ right
 
     quadratic = 0.0
-    gradient = np.zeros(3)
+    gradient = np.zeros(4)
     left_out, left_out_variance = np.empty(field.n_cells), np.empty(field.n_cells)
     for block, (shape, inverse, weighted, target) in zip(field.blocks, parts, strict=True):
         alpha = target - weighted @ step[block.columns]
@@ -148,6 +155,7 @@ def evaluate(
         gradient[LOG_TAU] -= tau**2 * product.sum()
         gradient[LOG_LENGTH] -= 0.5 * tau**2 / length * np.vdot(product, block.distance_m)
         gradient[LOG_ETA] -= eta**2 * np.trace(sensitivity)
+        gradient[LOG_TILT] -= tilt**2 * np.vdot(sensitivity, block.lever_m2)
         left_out_variance[block.rows] = 1.0 / inverse.diagonal()
         left_out[block.rows] = alpha * left_out_variance[block.rows]
     value = -0.5 * (log_det + normal_log_det + quadratic)
@@ -155,7 +163,7 @@ def evaluate(
 
 
 def log_likelihoods(
-    field: Field, phis: Float[np.ndarray, "draws 3"], inflation_m2: Float[np.ndarray, " cells"]
+    field: Field, phis: Float[np.ndarray, "draws 4"], inflation_m2: Float[np.ndarray, " cells"]
 ) -> tuple[
     Float[np.ndarray, " draws"], Float[np.ndarray, "draws seen"], Float[np.ndarray, "draws seen seen"]
 ]:
@@ -167,9 +175,9 @@ def log_likelihoods(
     draws, size = len(phis), len(field.precision)
     normal = np.tile(np.diag(field.precision), (draws, 1, 1))
     right, log_det, quadratic = np.zeros((draws, size)), np.zeros(draws), np.zeros(draws)
-    tau, length, eta = np.exp(phis).T[:, :, None, None]
+    tau, length, eta, tilt = np.exp(phis).T[:, :, None, None]
     for block in field.blocks:
-        covariance = tau**2 * np.exp(block.distance_m / -length)
+        covariance = tau**2 * np.exp(block.distance_m / -length) + tilt**2 * block.lever_m2
         fixed = np.diag(block.variance_m2 + inflation_m2[block.rows])
         covariance += fixed + eta**2 * np.eye(len(fixed))
         factor = np.linalg.cholesky(covariance)

@@ -1,6 +1,6 @@
-"""The wall field by Markov chain: sample tau, l, eta; integrate the geometry analytically.
+"""The wall field by Markov chain: sample tau, l, eta, tilt; integrate the geometry analytically.
 
-theta given the noise model is exactly Gaussian, so only three numbers need sampling, and the dimensions'
+theta given the noise model is exactly Gaussian, so only four numbers need sampling, and the dimensions'
 distribution is a mixture over their draws (Rao-Blackwell). It checks the Laplace mixture of `wall_field`.
 
 The walkers' densities are evaluated together by NumPy's stacked LAPACK calls. `jax.vmap` over blocks padded
@@ -80,9 +80,9 @@ def sample_wall_field(
 
 def _start(
     fit: WallFieldFit, config: WallFieldConfig, walkers: int, rng: np.random.Generator
-) -> Float[np.ndarray, "walkers 3"]:
+) -> Float[np.ndarray, "walkers 4"]:
     """Whitened starting points inside the bounds: the Laplace approximation, cut."""
-    found: list[Float[np.ndarray, " 3"]] = []
+    found: list[Float[np.ndarray, " 4"]] = []
     while len(found) < walkers:
         points, _ = draw_student_t(fit.mode, walkers, np.inf, rng)
         inside = np.isfinite(log_posteriors(fit, config, points))

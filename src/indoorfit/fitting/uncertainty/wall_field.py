@@ -15,6 +15,7 @@ from .field import (
     LOG_ETA,
     LOG_LENGTH,
     LOG_TAU,
+    LOG_TILT,
     Field,
     FieldFit,
     block_covariance,
@@ -56,24 +57,43 @@ class WallFieldConfig:
     """Hard bound: beyond the size of a wall the field runs away into widths of metres."""
     tau_max_m: float = 0.37
     """Hard bound: a wall that wanders by more is no wall."""
-    face_share: float = 0.4
+    tilt_median_rad: float = 1.7e-3
+    """Prior median of how far a face as a whole is turned: registration turns by about 1/3 rad per metre of
+    its position error, here that of `tau_median_m`."""
+    tilt_log_std: float = 1.5
+    """As wide as for tau."""
+    tilt_max_rad: float = 0.05
+    """Hard bound: 3 degrees, where the axes of the room would be in doubt."""
+    lever_m: float = 1.0
+    """What turned a wall turned about a place off the wall, which moved it as well: by the tilt over this
+    lever, along its normal. A stated prior, for the movement itself leaves no residual; none for floor and
+    ceiling. The place is the sensor or the middle of the map, some metres off, but the part of a tilt
+    that is the wall's own, as plaster that is out of plumb, moves nothing: hence a length below that."""
+    face_share: float = 0.3
     """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
     shows. Floor and ceiling are in view all along. 0 is right where every wall was passed twice or more."""
-    screen_sigmas: float = 3.0
-    """Cells whose left-out residual exceeds this many robust sigmas count as contaminated."""
+    wall_dof: float = 4.0
+    """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1).
+    One that hangs on a slipped block of frames does not: its own residuals then widen what is said of it,
+    and never narrow it, since a wall seen from one place is smooth because nothing contradicts it."""
+    screen_sigmas: float = 4.5
+    """Cells whose left-out residual exceeds this many robust sigmas count as contaminated. Scores have the
+    tails of Student's t with 4 degrees of freedom, since walls differ in how badly they are registered:
+    beyond 3 are four in a hundred of them, and those tell of misregistration; beyond 4.5 one. Furniture
+    and curtains lie beyond ten."""
     screen_sweeps: int = 3
     """Fit and screen in turn; the set stands still after two or three."""
     student_dof: float = 4.0
     """Tail of the estimate's weights: full weight to the bulk, 1/r beyond some sigmas."""
-    draws: int = 24
+    draws: int = 32
     """Components of the mixture; more change interval ends by 1 to 3 %."""
     draw_dof: float = 6.0
     """Tail of the draws, heavier than the posterior's so that importance weights stay bounded."""
 
 
 _FLOOR_LOG_M = float(np.log(1e-6))
-"""1 um: below it tau and eta make no difference to any cell."""
+"""1 um, and 1 urad: below it tau, eta and tilt make no difference to any cell."""
 
 
 @dataclass(frozen=True)
@@ -85,23 +105,25 @@ class WallFieldFit:
     mode: HyperMode
 
 
-def prior_moments(config: WallFieldConfig) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
-    """Mean and standard deviation of phi = log(tau, l, eta) before truncation."""
-    means = np.log([config.tau_median_m, config.length_median_m, config.eta_median_m])
-    return means, np.array([config.tau_log_std, config.length_log_std, config.eta_log_std])
+def prior_moments(config: WallFieldConfig) -> tuple[Float[np.ndarray, " 4"], Float[np.ndarray, " 4"]]:
+    """Mean and standard deviation of phi = log(tau, l, eta, tilt) before truncation."""
+    medians = [config.tau_median_m, config.length_median_m, config.eta_median_m, config.tilt_median_rad]
+    stds = [config.tau_log_std, config.length_log_std, config.eta_log_std, config.tilt_log_std]
+    return np.log(medians), np.array(stds)
 
 
-def hyper_bounds(config: WallFieldConfig) -> Float[np.ndarray, "3 2"]:
+def hyper_bounds(config: WallFieldConfig) -> Float[np.ndarray, "4 2"]:
     """Where phi may be."""
-    bounds = np.empty((3, 2))
+    bounds = np.empty((4, 2))
     bounds[LOG_TAU] = _FLOOR_LOG_M, np.log(config.tau_max_m)
     bounds[LOG_LENGTH] = np.log(0.02), np.log(config.length_max_m)
     bounds[LOG_ETA] = _FLOOR_LOG_M, np.log(config.tau_max_m)
+    bounds[LOG_TILT] = _FLOOR_LOG_M, np.log(config.tilt_max_rad)
     return bounds
 
 
 def log_posteriors(
-    fit: WallFieldFit, config: WallFieldConfig, phis: Float[np.ndarray, "draws 3"]
+    fit: WallFieldFit, config: WallFieldConfig, phis: Float[np.ndarray, "draws 4"]
 ) -> Float[np.ndarray, " draws"]:
     """Collapsed log posterior of phi, theta integrated; -inf outside the bounds. Vectorised over draws."""
     means, stds = prior_moments(config)
@@ -121,13 +143,14 @@ def fit_wall_field(cells: Cells, config: WallFieldConfig) -> WallFieldFit:
     bounds = hyper_bounds(config)
     inflation = np.zeros(len(cells.plane))
 
-    def objective(phi: Float[np.ndarray, " 3"]) -> tuple[float, Float[np.ndarray, " 3"]]:
+    def objective(phi: Float[np.ndarray, " 4"]) -> tuple[float, Float[np.ndarray, " 4"]]:
         fit = evaluate(field, phi, inflation)
         pull = (phi - means) / stds
         return fit.log_likelihood - 0.5 * float(pull @ pull), fit.gradient - pull / stds
 
     spread = max(MAD_TO_STD * float(np.median(np.abs(cells.residuals_m))), 1e-5)
-    start = np.array([np.log(spread), means[LOG_LENGTH], np.log(0.5 * spread)])
+    # A metre off the middle, such a tilt is as large as a third of the spread.
+    start = np.array([np.log(spread), means[LOG_LENGTH], np.log(0.5 * spread), np.log(spread / 3.0)])
     point, converged = find_mode(objective, start, bounds)
     for _ in range(config.screen_sweeps):
         screened = _screen(evaluate(field, point, inflation), inflation, config.screen_sigmas)
@@ -154,14 +177,17 @@ def _screen(
 def sandwich_predictive(
     cells: Cells, contrasts: Contrasts, fit: WallFieldFit, hyper: HyperDraws, config: WallFieldConfig
 ) -> Predictive:
-    """Student-t estimate with covariance ``L V(phi) L^T`` for every draw of phi."""
+    """Student-t estimate with covariance ``L V(phi) L^T`` for every draw of phi, restless walls scaled up."""
     linear = weighted_map(cells, student_t_precisions(cells, config.student_dof))
     covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
+    unrest = np.ones((len(hyper.points), cells.n_params - ROTATIONS))
     for block in fit.field.blocks:
-        part = linear[:, block.rows]
-        for covariance, phi in zip(covariances, hyper.points, strict=True):
-            covariance += part @ block_covariance(block, phi, fit.inflation_m2) @ part.T
-    _add_face_offsets(covariances, cells, hyper, config)
+        part, plane = linear[:, block.rows], cells.plane[block.rows[0]]
+        for k, phi in enumerate(hyper.points):
+            covariance = block_covariance(block, phi, fit.inflation_m2)
+            unrest[k, plane] = _unrest(block.target_m, covariance, config.wall_dof)
+            covariances[k] += unrest[k, plane] * (part @ covariance @ part.T)
+    _add_face_offsets(covariances, cells, hyper, config, unrest)
     theta = contrasts.estimate + linear @ cells.residuals_m
     return Predictive(
         weights=hyper.weights,
@@ -176,13 +202,35 @@ def sandwich_predictive(
     )
 
 
+_MIN_UNREST_CELLS = 4
+"""Fewer patches say nothing of a wall's own scale."""
+
+
+def _unrest(
+    residuals_m: Float[np.ndarray, " rows"], covariance_m2: Float[np.ndarray, "rows rows"], dof: float
+) -> float:
+    """By how much one wall's residuals exceed, in variance, what the room's noise model says; at least 1.
+
+    The posterior mean of the scale of a Student-t process (Shah, Wilson and Ghahramani 2014), with the wall's
+    offset taken out by generalised least squares.
+    """
+    n = len(residuals_m)
+    if n < _MIN_UNREST_CELLS:
+        return 1.0
+    both = np.column_stack([residuals_m, np.ones(n)])
+    gram = both.T @ np.linalg.solve(covariance_m2, both)
+    square = float(gram[0, 0] - gram[0, 1] ** 2 / gram[1, 1])
+    return max(1.0, (dof + square) / (dof + n - 1))
+
+
 def _add_face_offsets(
     covariances: Float[np.ndarray, "draws params params"],
     cells: Cells,
     hyper: HyperDraws,
     config: WallFieldConfig,
+    unrest: Float[np.ndarray, "draws planes"] | None = None,
 ) -> None:
-    """Add the walls' common offsets, in place.
+    """Add the walls' common offsets, in place: a share of tau^2, and the tilt over its lever.
 
     An offset common to a face is what its parameter is: it drops out of the restricted likelihood and of
     every residual, and passes unchanged into the parameter's variance.
@@ -190,7 +238,8 @@ def _add_face_offsets(
     walls = np.unique(cells.plane[cells.axes != 2])
     columns = ROTATIONS + walls
     variance = config.face_share * np.exp(2 * hyper.points[:, LOG_TAU])
-    covariances[:, columns, columns] += variance[:, None]
+    variance += config.lever_m**2 * np.exp(2 * hyper.points[:, LOG_TILT])
+    covariances[:, columns, columns] += variance[:, None] * (1.0 if unrest is None else unrest[:, walls])
 
 
 def gls_predictive(
@@ -232,7 +281,7 @@ def wall_field_predictive(
         rng: for the draws of the noise model only; two seeds differ by 1 to 3 % in the interval ends.
 
     Returns:
-        the mixture; `noise` describes tau, l, eta, the share of screened cells and the role of the prior.
+        the mixture; `noise` describes tau, l, eta, tilt, the share of screened cells and the prior's role.
     """
     fit = fit_wall_field(cells if cells.frames is None else replace(cells, frames=None), config)
     return sandwich_predictive(cells, contrasts, fit, laplace_draws(fit, config, rng), config)
