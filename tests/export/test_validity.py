@@ -19,7 +19,6 @@ import jsonschema
 import numpy as np
 import plyfile
 import pytest
-import trimesh
 from cityjson_schema import CITYJSON
 from collada.schema import ColladaValidator
 from gltf_validator import assert_nothing_found
@@ -190,21 +189,17 @@ def test_cityjson_surfaces_are_interior_and_floors_are_level(house, tmp_path):
 
 
 @pytest.mark.parametrize("plans", [(PILLAR,), FLAT], ids=["pillar", "flat"])
-def test_cjio_opens_cityjson_with_the_same_rooms_and_volume(plans, tmp_path):
-    """The CityJSON developers' own tool, which triangulates the rooms by itself.
+def test_cjio_opens_cityjson_with_the_same_rooms(plans, tmp_path):
+    """The CityJSON developers' own tool.
 
     In a process of its own: to import it changes how json writes numbers.
     """
     result = make_result(*plans)
     write_cityjson(tmp_path / "model.city.json", result)
     cjio = [sys.executable, "-c", "from cjio.cjio import cli; cli()"]
-    files = [str(tmp_path / "model.city.json"), "info", "export", "obj", str(tmp_path / "model.obj")]
+    files = [str(tmp_path / "model.city.json"), "info"]
     done = subprocess.run([*cjio, *files], capture_output=True, text=True, check=True, timeout=60)
     assert f"BuildingRoom ({len(result.rooms)})" in done.stdout
-    mesh = trimesh.load_mesh(tmp_path / "model.obj", process=False)
-    vertices = mesh.vertices - mesh.vertices.mean(axis=0)
-    volume_m3 = trimesh.Trimesh(vertices, mesh.faces, process=False).volume
-    assert volume_m3 == pytest.approx(sum(room.volume.value for room in result.rooms), rel=1e-6)
 
 
 def test_collada_is_valid_by_the_schema(house, tmp_path):
