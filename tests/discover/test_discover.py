@@ -69,6 +69,18 @@ def test_a_room_without_ceiling_keeps_its_walls_and_takes_its_height_from_them(k
     assert_same_room(shape, scan.shape, 0.10)
 
 
+@pytest.mark.parametrize(("kind", "walls", "seed"), [("box", 4, 2), ("box", 4, 6), ("L", 6, 5)])
+def test_a_wall_that_is_seen_twice_is_one_where_the_floor_is_seen_twice(kind, walls, seed):
+    """Eight stretches of the scan, each displaced by some 5 cm: steps in every wall, and in the floor as well."""
+    scan = virtual(kind, 4, n_points=50_000)
+    points_m = scan.frame.to_manhattan(scan.scan.points_m)
+    x_m, y_m = (points_m - points_m.mean(axis=0))[:, :2].T
+    stretch = np.floor(np.arctan2(y_m, x_m) / (np.pi / 4)).astype(int) + 4
+    shifts_m = np.random.default_rng(seed).normal(0.0, 0.05, (9, 3))
+    shape, _ = discovered(Scan(scan.frame.to_scan(points_m + shifts_m[stretch])))
+    assert sum(plane.axis < 2 for plane in shape.planes) == walls
+
+
 def test_a_cloud_without_floor_is_refused():
     scan = virtual("box", 5, n_points=40_000, missing_planes=(0,))
     with pytest.raises(InputError, match=r"no floor.*Fix:"):

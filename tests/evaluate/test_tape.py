@@ -58,7 +58,8 @@ def test_points_need_not_lie_on_the_faces(model):
         near = [tuple(end + rng.uniform(-0.08, 0.08, 3)) for end in (d.from_m, d.to_m)]
         verdict = check_tape(model, tape(reading(2, d.quantity.value, points_m=(near[0], near[1]))))
         assert verdict.checks, verdict.refused
-        assert verdict.checks[0].value_m == d.quantity.value
+        # Opposite sides of a room are as long as each other but for rounding.
+        assert verdict.checks[0].value_m == pytest.approx(d.quantity.value, abs=1e-12)
 
 
 REFUSED = {

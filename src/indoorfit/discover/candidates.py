@@ -1,6 +1,6 @@
 """Candidate wall lines: where walls were seen, and where floor and ceiling end without one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -13,8 +13,8 @@ class CandidateConfig:
     """What counts as a candidate."""
 
     merge_m: float = 0.06
-    """Wall pieces whose positions differ by less are one candidate. Steps of 10 cm are built (a duct, a
-    chimney breast), steps of 5 cm hardly; the thesis joins up to 10 cm."""
+    """Wall pieces whose positions differ by less are one candidate, however good the scan. Steps of 10 cm are
+    built (a duct, a chimney breast), steps of 5 cm hardly; the thesis joins up to 10 cm."""
     min_area_m2: float = 0.10
     """Least area of wall on a candidate: half the side of a 10 cm pilaster 2 m high."""
     min_end_m: float = 0.5
@@ -32,13 +32,15 @@ class Lines:
     """The line of every wall surfel of this axis, -1 for none."""
 
 
-def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines, Lines]:
+def candidate_lines(surfaces: Surfaces, config: CandidateConfig, price: float) -> tuple[Lines, Lines]:
     """Candidates perpendicular to x, and to y.
 
     Args:
         surfaces: sorted evidence, Manhattan frame.
         config: see `CandidateConfig`.
+        price: of one parameter, nats.
     """
+    config = replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
     area_m2 = (surfaces.pixel_m / 2.0) ** 2
     seen = [
         _cluster(surfaces.wall_segments[axis], surfaces.walls_m[axis][:, axis], area_m2, config)
@@ -53,6 +55,15 @@ def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines,
         for axis in (0, 1)
     )
     return across_x, across_y
+
+
+def _worth_two_m(scatter_m: float, price: float) -> float:
+    """How far apart two positions must be for two walls to be likelier than one that was seen twice.
+
+    The difference of two positions that scatter by s has variance 2 s². One wall for both costs d² / 4 s²
+    nats, a second wall the price of its position (Schwarz 1978).
+    """
+    return 2.0 * scatter_m * float(np.sqrt(price))
 
 
 def _with_ends(

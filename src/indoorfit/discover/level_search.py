@@ -104,7 +104,7 @@ def _grid(
     sides = replace(surfaces, walls_m=walls[0], wall_segments=walls[1], ceiling_m=none, floor_m=none)
     ends = replace(surfaces, ceiling_m=here_m, floor_m=main_m)
     config = CandidateConfig()
-    candidates = candidate_lines(sides, config)
+    candidates = candidate_lines(sides, config, task.price)
     lines = []
     for axis in (0, 1):
         known_m = task.grid[axis]

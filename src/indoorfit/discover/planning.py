@@ -10,7 +10,7 @@ from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends
 from .evidence import Evidence, gather_evidence
-from .labelling import Borders, LabelConfig, label_cells
+from .labelling import Borders, LabelConfig, label_cells, price_of_one
 from .level_task import Grid
 from .overrides import (
     PlanOverrides,
@@ -74,7 +74,7 @@ def find_plan(
         InputError: no room.
         ConfigError: an override that cannot be meant.
     """
-    lines = candidate_lines(surfaces, candidates)
+    lines = candidate_lines(surfaces, candidates, price_of_one(seen_m2, labels))
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
     lines, partial = _two_each(lines, surfaces)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)

@@ -29,6 +29,9 @@ class Surfaces:
     """Side of a square on which a fully scanned surface shows four surfels on average."""
     noise_m: float
     """Median distance of surfels from their segments' planes."""
+    scatter_m: float
+    """Standard deviation of where one surface was seen: of floor or ceiling about its plane, the lesser. What
+    the sensor adds is small; the rest is registration, which moves walls as well."""
 
 
 _MIN_CEILING_M2 = 0.5
@@ -39,6 +42,11 @@ tenth itself another quarter; a cupboard stands a metre below."""
 _FLOOR_GAP_M = 0.3
 """A floor lies this near the lowest tenth of the walls, or it is a table: of a wall of 2.5 m the lowest
 tenth ends at 0.25 m, a table stands at 0.75 m."""
+_LEVEL_M = 0.15
+"""Level surfels nearer than this to the main level belong to it; half of this is a step."""
+_MIN_SCATTERED = 50
+_MAD_TO_STD = 1.4826
+"""Standard deviation of normal errors over their median absolute deviation."""
 _BESIDE_M = 0.3
 """Walls stand at the edge of floor and ceiling, or this far beyond where it was not seen."""
 
@@ -84,6 +92,10 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
         ceiling_height_m=ceiling_height_m,
         pixel_m=2.0 * np.sqrt(surfels.area_m2),
         noise_m=float(np.median(segments.rms_m)),
+        scatter_m=_scatter_m(
+            floor_m[np.abs(floor_m[:, 2] - floor_height_m) < _LEVEL_M],
+            ceiling_m[np.abs(ceiling_m[:, 2] - ceiling_height_m) < _LEVEL_M],
+        ),
     )
 
 
@@ -97,6 +109,17 @@ def _within(points_m: Float[np.ndarray, "n 3"], level_m: Float[np.ndarray, "m 3"
     low_m, high_m = np.percentile(level_m[:, :2], [1, 99], axis=0)
     xy_m = points_m[:, :2]
     return np.all((xy_m >= low_m - _BESIDE_M) & (xy_m <= high_m + _BESIDE_M), axis=1)
+
+
+def _scatter_m(*levels_m: Float[np.ndarray, "_ 3"]) -> float:
+    """Robust standard deviation about the plane of the better of two surfaces; 0 where none tells."""
+    scatter_m = []
+    for points_m in levels_m:
+        if len(points_m) >= _MIN_SCATTERED:
+            plane = np.column_stack([points_m[:, :2], np.ones(len(points_m))])
+            residuals_m = points_m[:, 2] - plane @ np.linalg.lstsq(plane, points_m[:, 2])[0]
+            scatter_m.append(_MAD_TO_STD * np.median(np.abs(residuals_m - np.median(residuals_m))))
+    return float(min(scatter_m, default=0.0))
 
 
 def _main_level(heights_m: Float[np.ndarray, " n"]) -> float:
