@@ -71,7 +71,7 @@ def test_a_room_without_ceiling_keeps_its_walls_and_takes_its_height_from_them(k
 
 @pytest.mark.parametrize(("kind", "walls", "seed"), [("box", 4, 2), ("box", 4, 6), ("L", 6, 5)])
 def test_a_wall_that_is_seen_twice_is_one_where_the_floor_is_seen_twice(kind, walls, seed):
-    """Eight stretches of the scan, each displaced by some 5 cm: steps in every wall, and in the floor as well."""
+    """Eight stretches of the scan, each displaced by some 5 cm: steps in every wall, and in the floor too."""
     scan = virtual(kind, 4, n_points=50_000)
     points_m = scan.frame.to_manhattan(scan.scan.points_m)
     x_m, y_m = (points_m - points_m.mean(axis=0))[:, :2].T
