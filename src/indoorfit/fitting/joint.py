@@ -131,11 +131,14 @@ def _round(
     moments = plane_moments(patches.means_m, patches.plane, weights, len(axes))
     solution = solve(moments, axes, shape.offsets_m)
     turn = Rotation.from_rotvec(solution.rotation_rad).as_matrix()
+    # Planes without points stay where they are, to the bit: several may share one place.
+    seen = np.bincount(patches.plane, minlength=len(axes)) > 0
+    offsets_m = np.where(seen, solution.offsets_m, shape.offsets_m)
     # The planes' normals turned by `turn`, so in the new frame the points turn back.
     patches = replace(patches, means_m=patches.means_m @ turn)
-    moved_m = float(np.max(np.abs(solution.offsets_m - shape.offsets_m)))
+    moved_m = float(np.max(np.abs(offsets_m - shape.offsets_m)))
     moved_m += float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
-    shape = shape.with_offsets(solution.offsets_m)
+    shape = shape.with_offsets(offsets_m)
     after = _State(
         shape=shape,
         rotation=turn.T @ state.rotation,
