@@ -32,8 +32,8 @@ class LabelConfig:
     thing or of a wall's corner, or a place where the path never looked, has one cause and is that large.
     Ceiling that is missing over floor that was seen is no gap, and counts patch by patch."""
     ceiling_inside: float = 0.9
-    """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps. Higher where
-    the scan shows more of it, as for the floor."""
+    """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps. More
+    where the scan shows more, and so for the floor."""
     ceiling_outside: float = 0.05
     """Chance that a patch of ceiling outside was seen, through doors and windows."""
     floor_inside: float = 0.6
