@@ -182,7 +182,9 @@ def structured(settings: Mapping[str, Any], kind: type[T], name: str, hint: str 
         refused = _config_error(error)
         if refused is not None:
             raise refused from error
-        problems = "; ".join(cattrs.transform_error(error, path=name))
+        problems = "; ".join(cattrs.transform_error(error, path=name)).replace(
+            "extra fields found", "unknown keys"
+        )
         raise ConfigError(f"{problems}. Fix: {hint}") from error
 
 

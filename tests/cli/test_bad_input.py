@@ -330,3 +330,16 @@ def test_usage_errors_end_with_2(run_cli, tmp_path, monkeypatch, arguments):
     assert outcome.err.strip()
     assert "Traceback" not in outcome.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_directory_in_place_of_a_model(run_cli, tmp_path):
+    done = run_cli("convert", str(tmp_path), "-o", str(tmp_path / "a.stl"))
+    assert done.code == 1
+    assert "is a directory" in done.err
+    assert "model.json" in done.err
+
+
+def test_unknown_key_in_the_settings(refused, room_ply, tmp_path):
+    settings = tmp_path / "bad.toml"
+    settings.write_text("nonsense_key = 3\n")
+    refused(room_ply, "--config", str(settings), says=("unknown keys (nonsense_key)", "bad.toml"))

@@ -68,7 +68,9 @@ def _check_replaceable(target: Path, overwrite: bool) -> None:
     if not target.is_dir():
         raise OutputError(f"{target}: exists and is no directory. Fix: choose another output directory.")
     if not overwrite:
-        raise OutputError(f"{target}: exists already. Fix: choose another directory, or give --overwrite.")
+        raise OutputError(
+            f"{target}: exists already. Fix: choose another directory, or give --overwrite (overwrite=True)."
+        )
     try:
         ours = not any(target.iterdir()) or _is_result(target)
     except OSError as e:

@@ -119,6 +119,10 @@ def read_json(path: Path) -> JsonNode:
     Raises:
         InputError: the file cannot be read or is no JSON.
     """
+    if path.is_dir():
+        raise InputError(
+            f"{path.name}: is a directory; a JSON file is needed. Fix: name the file, e.g. its model.json."
+        )
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as e:
