@@ -27,6 +27,12 @@ def test_a_fit_writes_its_directory_and_prints_the_table(run_cli, room_ply, tmp_
     assert "thin" in outcome.err, "progress goes to standard error"
 
 
+def test_without_a_name_the_result_lies_in_the_current_directory(run_cli, room_ply, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run_cli("fit", room_ply, "--quiet").code == 0
+    assert (tmp_path / f"{room_ply.stem}-room" / "report.html").is_file()
+
+
 def test_the_options_of_textures_reach_the_files(run_cli, room_ply, tmp_path):
     picture = tmp_path / "p.png"
     Image.new("RGB", (40, 30), (9, 200, 30)).save(picture)

@@ -1,6 +1,7 @@
 """`simulate`, `info`, `demo` and `--help`."""
 
 import json
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -130,3 +131,8 @@ def test_help_is_printed_and_is_no_error(run_cli, command):
     assert outcome.code == 0
     assert outcome.err == ""
     assert "usage: indoorfit" in outcome.out
+
+
+def test_the_version_is_that_of_the_package(run_cli):
+    outcome = run_cli("--version")
+    assert (outcome.code, outcome.out) == (0, f"indoorfit {version('indoorfit')}\n")

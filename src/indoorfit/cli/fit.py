@@ -22,8 +22,9 @@ class FitCommand:
 
     scan: tyro.conf.Positional[Path]
     """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
-    out: Path
-    """Directory to write; it must not exist, or hold an earlier result and --overwrite be given."""
+    out: Path | None = None
+    """Directory to write. It must not exist yet, unless it holds an earlier result and --overwrite is given.
+    Default: in the current directory, the scan's name with -room."""
     method: Literal["joint", "greedy"] | None = None
     """joint (default): all surfaces fitted together; greedy: the procedure of the 2013 thesis."""
     level: float | None = None
@@ -69,7 +70,8 @@ class FitCommand:
         set_up_logging(self.quiet, self.verbose)
         from indoorfit.io import read_scan, read_tape
 
-        check_output_directory(self.out, overwrite=self.overwrite)
+        out = Path(f"{self.scan.stem}-room") if self.out is None else self.out
+        check_output_directory(out, overwrite=self.overwrite)
         if self.format or self.pdf:
             from indoorfit.pipeline import check_formats
 
@@ -94,7 +96,7 @@ class FitCommand:
         return run_pipeline(
             scan,
             config,
-            self.out,
+            out,
             pictures,
             tape,
             overwrite=self.overwrite,

@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+from importlib.metadata import version
 from typing import Annotated
 
 from indoorfit.environment import prepare_numerics
@@ -83,6 +84,9 @@ def main() -> None:
 
 def _run() -> int:
     try:
+        if sys.argv[1:] == ["--version"]:
+            sys.stdout.write(f"indoorfit {version('indoorfit')}\n")
+            return 0
         return parse().run()
     except IndoorfitError as error:
         end_logging()
