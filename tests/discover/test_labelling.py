@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from indoorfit.discover.evidence import Evidence
-from indoorfit.discover.labelling import LabelConfig, cell_costs, label_cells, learned
+from indoorfit.discover.labelling import LabelConfig, cell_costs, label_cells
 
 SEEN_M2 = 100.0
 
@@ -110,18 +110,3 @@ def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
     np.testing.assert_array_equal(
         label_cells(evidence, grid, SEEN_M2, LabelConfig())[0].ravel(), [True, False]
     )
-
-
-@pytest.mark.parametrize("share", [0.0, 0.5, 0.97, 1.0])
-def test_a_scan_that_shows_more_than_usual_expects_to_see_more(share):
-    """A room of 20 m² beside a settings' worth of 5 m²; the cell outside does not count."""
-    seen = np.array([[share], [0.0]])
-    evidence = evidence_of(seen, seen, (np.zeros((3, 1)), np.zeros((2, 2))))
-    grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 5.0]))
-    config, inside = LabelConfig(), np.array([[True], [False]])
-    found = learned(config, evidence, grid, inside)
-    expected = {
-        name: 0.8 * share + 0.2 * getattr(config, name) for name in ("ceiling_inside", "floor_inside")
-    }
-    for name, value in expected.items():
-        assert getattr(found, name) == pytest.approx(max(getattr(config, name), value))

@@ -1,6 +1,6 @@
 """Which cells are inside: the most probable labelling of the plan, found exactly."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -14,8 +14,6 @@ from .minimise import PlanEnergy, minimise
 Borders = tuple[Bool[np.ndarray, "nx1 ny"], Bool[np.ndarray, "nx ny1"]]
 """A choice among the borders of constant x, and of constant y; the outermost included."""
 
-_PRIOR_M2 = 5.0
-"""The settings' chances weigh as much as a small room's floor."""
 FORBIDDEN_NATS = 1e5
 """Cost of a forbidden border: the evidence of a storey of 1000 m² is some ten thousand nats."""
 
@@ -32,8 +30,7 @@ class LabelConfig:
     thing or of a wall's corner, or a place where the path never looked, has one cause and is that large.
     Ceiling that is missing over floor that was seen is no gap, and counts patch by patch."""
     ceiling_inside: float = 0.9
-    """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps. More
-    where the scan shows more, and so for the floor."""
+    """Chance that a patch of ceiling over the room was seen: nothing hides it but lamps and gaps."""
     ceiling_outside: float = 0.05
     """Chance that a patch of ceiling outside was seen, through doors and windows."""
     floor_inside: float = 0.6
@@ -93,35 +90,6 @@ def label_cells(
     inside, gap = minimise(energy, config.max_open_cells)
     # A whole wall's price short of the best is worth a warning.
     return inside, (_gap_note(gap),) if gap > price_of_one(seen_m2, config) else ()
-
-
-def learned(
-    config: LabelConfig,
-    evidence: Evidence,
-    grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    inside: Bool[np.ndarray, "nx ny"],
-) -> LabelConfig:
-    """The chances of seeing the room's floor and ceiling, as this scan shows them.
-
-    A scan that shows the whole floor but for one corner says more of that corner than one that shows half of
-    it between furniture. Less than the settings say is not learned: what is missing in the first labelling
-    may be what is not inside.
-
-    Args:
-        config: the settings.
-        evidence: shares seen.
-        grid: candidate lines.
-        inside: a first labelling.
-    """
-    area_m2 = np.where(inside, np.outer(*(np.diff(line) for line in grid)), 0.0)
-    total_m2 = float(area_m2.sum()) + _PRIOR_M2
-    ceiling_m2 = float(np.sum(area_m2 * evidence.ceiling)) + _PRIOR_M2 * config.ceiling_inside
-    floor_m2 = float(np.sum(area_m2 * evidence.floor)) + _PRIOR_M2 * config.floor_inside
-    return replace(
-        config,
-        ceiling_inside=max(config.ceiling_inside, ceiling_m2 / total_m2),
-        floor_inside=max(config.floor_inside, floor_m2 / total_m2),
-    )
 
 
 def plan_energy(

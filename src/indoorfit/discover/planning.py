@@ -10,7 +10,7 @@ from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends
 from .evidence import Evidence, gather_evidence
-from .labelling import Borders, LabelConfig, label_cells, learned, price_of_one
+from .labelling import Borders, LabelConfig, label_cells, price_of_one
 from .level_task import Grid
 from .overrides import (
     PlanOverrides,
@@ -37,8 +37,6 @@ class Plan:
     """Borders that a person said are none."""
     seen_m2: float
     """Area of all surfaces that were seen."""
-    labels: LabelConfig
-    """The settings, with the chances that this scan shows."""
     inside: Bool[np.ndarray, "nx ny"]
     """The labels of least energy."""
     rooms: list[Bool[np.ndarray, "nx ny"]]
@@ -80,15 +78,12 @@ def find_plan(
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
     lines, partial = _two_each(lines, surfaces)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
-    seen, grid = gather_evidence(surfaces, lines), (lines[0].offsets_m, lines[1].offsets_m)
-    # What a person says changes nothing in how much the scan shows.
-    first, _ = label_cells(seen, grid, seen_m2, labels)
-    labels = learned(labels, seen, grid, first)
-    evidence = overridden_evidence(seen, forced, forbidden)
+    evidence = overridden_evidence(gather_evidence(surfaces, lines), forced, forbidden)
+    grid = (lines[0].offsets_m, lines[1].offsets_m)
     inside, notes = label_cells(evidence, grid, seen_m2, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, evidence, forced, forbidden, seen_m2, labels, inside, found_rooms, notes)
+    return Plan(lines, evidence, forced, forbidden, seen_m2, inside, found_rooms, notes)
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:
