@@ -307,7 +307,6 @@ USAGE = [
     [],
     ["fit"],
     ["dance"],
-    ["fit", "scan.ply"],
     ["fit", "--out", "out"],
     ["fit", "scan.ply", "--out", "out", "--method", "magic"],
     ["fit", "scan.ply", "--out", "out", "--level", "high"],

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from indoorfit.errors import InputError
 from indoorfit.io import read_scan
 from indoorfit.pipeline import fit_scan
 
@@ -44,43 +43,24 @@ def test_two_rooms_are_told_apart_and_the_larger_is_right():
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "warnings"),
     [
-        "oblique_hall_tls_3cm.ply",
-        "office_corner_depth.ply",
-        "office_floor_tls_sparse.ply",
-        "room_scan1.pcd",
-        "room_scan2.pcd",
+        ("oblique_hall_tls_3cm.ply", {"OBLIQUE_WALLS", "SLOPED_CEILING"}),
+        ("office_corner_depth.ply", {"FACE_INFERRED"}),
+        ("office_floor_tls_sparse.ply", {"FACE_INFERRED"}),
+        ("room_scan1.pcd", {"FACE_INFERRED", "COLOURS_MISSING"}),
+        ("room_scan2.pcd", {"FACE_INFERRED", "COLOURS_MISSING"}),
     ],
 )
-def test_every_other_scan_ends_with_a_model_or_a_clear_refusal(name, tmp_path):
+def test_every_other_scan_ends_with_a_model_that_says_what_is_wrong(name, warnings, tmp_path):
     path = FOLDER / name
     if not path.is_file():
         pytest.skip(f"{name} is not at hand; set INDOORFIT_REAL_SCANS to the folder that holds it")
     command = [sys.executable, "-m", "indoorfit", "fit", str(path), "--out", str(tmp_path / "out")]
-    # A process of its own can be stopped: the largest takes 5 s, a minute means that it does not end.
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode in (0, 1, 3)
-    assert "Traceback" not in done.stderr
-    if done.returncode == 1:
-        assert "Fix:" in done.stderr
-        assert list(tmp_path.iterdir()) == []
-    else:
-        document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
-        assert all(dimension["value"] > 0 for dimension in document["dimensions"])
-        assert all(room["volume"]["value"] > 0 for room in document["rooms"])
-
-
-def test_a_hall_with_oblique_walls_is_told_apart():
-    try:
-        result = fitted("oblique_hall_tls_3cm.ply")
-    except InputError:
-        return
-    assert {"OBLIQUE_WALLS", "SLOPED_CEILING"} & {note.code for note in result.notes}
-
-
-def test_an_open_end_is_inferred_and_missing_colours_are_said():
-    result = fitted("room_scan1.pcd")
-    codes = [note.code for note in result.notes]
-    assert "COLOURS_MISSING" in codes
-    assert "FACE_INFERRED" in codes
+    # A process of its own can be stopped: the largest takes 40 s beside three others.
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode in (0, 3), done.stderr
+    document = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    assert all(dimension["value"] > 0 for dimension in document["dimensions"])
+    assert all(room["volume"]["value"] > 0 for room in document["rooms"])
+    assert warnings <= {warning["code"] for warning in document["warnings"]}
