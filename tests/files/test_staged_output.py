@@ -5,7 +5,7 @@ import os
 import pytest
 
 from indoorfit.errors import OutputError
-from indoorfit.files import staged
+from indoorfit.files import atomic_file, staged
 
 
 def write(places, text="new"):
@@ -83,3 +83,25 @@ def test_errors_name_the_target_and_not_the_temporary_place(tmp_path):
         attempt()
     assert str(caught.value) == f"{tmp_path / 'a'}: disk full. Fix: make room."
     assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("overwrite", [True, False])
+def test_a_file_never_gives_way_to_a_directory(tmp_path, overwrite):
+    scan = tmp_path / "scan.ply"
+    scan.write_text("precious")
+    with pytest.raises(OutputError), staged([scan], overwrite=overwrite, marks=("mark.json",)) as (place,):
+        place.mkdir()
+        (place / "mark.json").write_text("new")
+    assert scan.read_text() == "precious"
+    assert names(tmp_path) == ["scan.ply"]
+
+
+def test_a_device_is_never_replaced_by_a_file(tmp_path):
+    pipe = tmp_path / "device"
+    os.mkfifo(pipe)
+    with pytest.raises(OutputError, match="no ordinary file"), staged([pipe], overwrite=True) as places:
+        write(places)
+    with pytest.raises(OutputError, match="no ordinary file"), atomic_file(pipe) as file:
+        file.write(b"new")
+    assert pipe.is_fifo()
+    assert names(tmp_path) == ["device"]

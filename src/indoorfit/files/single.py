@@ -16,11 +16,14 @@ def atomic_file(path: str | Path, *, overwrite: bool = True) -> Iterator[BinaryI
     """A binary file that takes the place of `path` when the block ends without an error.
 
     Raises:
-        OutputError: the target is a directory, exists without `overwrite`, or cannot be written.
+        OutputError: the target is a directory or a device, exists without `overwrite`, or cannot be written.
     """
     target = resolved(path)
     if target.is_dir():
         raise OutputError(f"{target}: is a directory; a file is to be written. Fix: name a file.")
+    if target.exists() and not target.is_file():
+        # A device: renaming a file over /dev/null would take it from every other program.
+        raise OutputError(f"{target}: is no ordinary file. Fix: name a file.")
     if target.exists() and not overwrite:
         raise OutputError(f"{target}: exists already. Fix: choose another name, or allow overwriting.")
     temporary = sibling(target, "part")

@@ -22,7 +22,8 @@ def staged(
     Args:
         targets: files, or directories to be filled.
         overwrite: whether existing targets may be replaced.
-        marks: files that a directory must hold to be replaced, so that none of someone else's ever is.
+        marks: files that a directory must hold to be replaced, so that none of someone else's ever is. Where
+            there are any the targets are directories, and nothing else is ever replaced by one.
         stale: files that would contradict the new ones; removed with `overwrite`, refused without.
 
     Yields:
@@ -61,8 +62,14 @@ def _check(path: Path, overwrite: bool, marks: tuple[str, ...]) -> None:
         raise OutputError(f"{path}: {path.parent} cannot be written to. Fix: choose another directory.")
     if os.path.lexists(path) and not overwrite:
         raise OutputError(f"{path}: exists already. Fix: choose another name, or give --overwrite.")
-    if path.is_dir() and any(path.iterdir()) and not (marks and all((path / m).is_file() for m in marks)):
-        raise OutputError(f"{path}: is a directory with other things in it. Fix: choose another name.")
+    if marks and os.path.lexists(path) and not path.is_dir():
+        raise OutputError(f"{path}: is no directory, and one is to be written. Fix: choose another name.")
+    if path.exists() and not path.is_dir() and not path.is_file():
+        raise OutputError(f"{path}: is no ordinary file. Fix: name a file.")
+    with os_errors_told(path):
+        others = path.is_dir() and any(path.iterdir())
+        if others and not (marks and all((path / mark).is_file() for mark in marks)):
+            raise OutputError(f"{path}: is a directory with other things in it. Fix: choose another name.")
 
 
 def _move_in(folders: dict[Path, Path], targets: Sequence[Path], overwrite: bool) -> None:
