@@ -1,14 +1,17 @@
 """What a person at a terminal and a machine at a pipe may expect."""
 
+import io
 import json
 import os
 import pty
 import subprocess
 import sys
+import time
 
 import pytest
 
 from indoorfit.cli import health
+from indoorfit.cli.progress import ProgressLine
 
 STEP_S = 120
 
@@ -63,6 +66,18 @@ def test_a_file_gets_neither_progress_nor_colours(room_ply, tmp_path):
     assert "\r" not in done.stderr
 
 
+def test_between_stages_the_terminal_is_free_for_the_output():
+    terminal = io.StringIO()
+    line = ProgressLine(terminal)
+    line.begin("thin")
+    line.end()
+    time.sleep(0.5)  # two rounds of the ticker
+    terminal.write("the table\n")
+    time.sleep(0.5)
+    assert terminal.getvalue().rpartition("\x1b[2K")[2] == "the table\n"
+    line.clear()
+
+
 @pytest.mark.parametrize(
     ("environment", "colours"),
     [({"NO_COLOR": None}, True), ({"NO_COLOR": "1"}, False), ({"NO_COLOR": None, "TERM": "dumb"}, False)],
@@ -85,6 +100,28 @@ def test_a_reader_that_leaves_early_ends_the_program_as_sigpipe_would(arguments)
     os.close(write)
     assert done.returncode == 141
     assert done.stderr == ""
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+def test_output_that_does_not_fit_is_one_line_and_no_traceback():
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "indoorfit", "--version"]
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=STEP_S, check=False
+        )
+    assert done.returncode == 1
+    assert len(done.stderr.splitlines()) == 1
+    assert "No space left" in done.stderr
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-"])
+def test_a_closed_stream_is_one_that_nobody_reads(closed):
+    line = f'"$0" -m indoorfit info nowhere.ply {closed}; "$0" -m indoorfit --version {closed}'
+    done = subprocess.run(
+        ["sh", "-c", line, sys.executable], capture_output=True, text=True, timeout=STEP_S, check=False
+    )
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh"])

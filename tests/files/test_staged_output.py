@@ -89,9 +89,14 @@ def test_errors_name_the_target_and_not_the_temporary_place(tmp_path):
 def test_a_file_never_gives_way_to_a_directory(tmp_path, overwrite):
     scan = tmp_path / "scan.ply"
     scan.write_text("precious")
-    with pytest.raises(OutputError), staged([scan], overwrite=overwrite, marks=("mark.json",)) as (place,):
-        place.mkdir()
-        (place / "mark.json").write_text("new")
+
+    def attempt():
+        with staged([scan], overwrite=overwrite, marks=("mark.json",)) as (place,):
+            place.mkdir()
+            (place / "mark.json").write_text("new")
+
+    with pytest.raises(OutputError):
+        attempt()
     assert scan.read_text() == "precious"
     assert names(tmp_path) == ["scan.ply"]
 

@@ -1,5 +1,6 @@
 """The command ``indoorfit``."""
 
+import errno
 import io
 import os
 import sys
@@ -70,6 +71,10 @@ def parse(arguments: list[str] | None = None) -> Command:
 
 def main() -> None:
     """Parse, run, and map errors to exit codes: 0 done, 1 user error, 2 usage, 3 model not sound."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            # The caller has closed it (`>&-`): nobody wants to read it.
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal without the sign for plus-minus is no reason to fail after the work is done.
@@ -78,8 +83,22 @@ def main() -> None:
         sys.exit(_run())
     except BrokenPipeError:
         # Whoever read the output has seen enough; the files are written before it is printed.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         sys.exit(BROKEN_PIPE)
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+            raise
+        # Files say themselves what keeps them from being written: it is the output that has no room.
+        _drop_output()
+        sys.stderr.write(
+            f"indoorfit: standard output: {error.strerror}. Fix: make room, or send it elsewhere.\n"
+        )
+        sys.exit(1)
+
+
+def _drop_output() -> None:
+    """Let the interpreter's end find nothing that it would fail to write."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run() -> int:

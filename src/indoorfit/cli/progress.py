@@ -52,9 +52,15 @@ class ProgressLine:
                 self._ticker.start()
 
     def end(self) -> None:
-        """The stage is done; the last one takes the line away."""
+        """The stage is done; until the next one begins the line is empty, and after the last one gone."""
         if self._stage == STAGES[-1]:
             self.clear()
+        elif self._stream is not None and self._stage is not None:
+            # Not every command ends with the last stage, and its output goes to the same terminal.
+            with self._lock:
+                self._stage = None
+                self._stream.write(_CLEAR)
+                self._stream.flush()
 
     def clear(self) -> None:
         """Take the line away and stop."""
