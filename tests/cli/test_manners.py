@@ -7,11 +7,13 @@ import pty
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import pytest
 
 from indoorfit.cli import health
 from indoorfit.cli.progress import ProgressLine
+from indoorfit.errors import InputError
 
 STEP_S = 120
 
@@ -198,3 +200,36 @@ def test_figures_command_writes_what_it_prints(run_cli, room_ply, tmp_path):
     assert outcome.code == 1
     assert "no finished batch" in outcome.err
     assert not (tmp_path / "other").exists()
+
+
+def test_a_place_without_room_for_figures_is_told_before_the_fit(run_cli, room_ply, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("indoorfit.pipeline.fit_scan", lambda *_: pytest.fail("fitted for nothing"))
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("mine")
+    for out in (tmp_path / "no" / "folder", tmp_path / "mine", room_ply):
+        outcome = run_cli("figures", room_ply, "--out", out, "--overwrite")
+        assert outcome.code == 1
+        assert str(out) in outcome.err
+
+
+@pytest.mark.parametrize(
+    ("command", "fits"), [("fit", "fit_scan"), ("compare", "fit_both"), ("figures", "fit_scan")]
+)
+def test_every_command_that_fits_asks_the_data_for_their_sensor(
+    run_cli, room_ply, tmp_path, monkeypatch, command, fits
+):
+    sensors = []
+
+    def fitted(scan, config, *_):
+        sensors.append(config.type_b.sensor)
+        raise InputError("enough")
+
+    def told(scan, config):
+        return scan, replace(config, type_b=replace(config.type_b, sensor="laser"))
+
+    monkeypatch.setattr(f"indoorfit.pipeline.{fits}", fitted)
+    monkeypatch.setattr("indoorfit.pipeline.sensor_from_data", told)
+    for options in ((), ("--sensor", "kinect_v1"), ("--sensor", "unknown")):
+        assert run_cli(command, room_ply, "--out", tmp_path / "out", *options).code == 1
+    assert sensors == ["laser", "kinect_v1", "unknown"]

@@ -8,11 +8,10 @@ from typing import Annotated, Literal
 
 import tyro
 
-from indoorfit.errors import OutputError
 from indoorfit.stages import announced
 
 from .runtime import set_up_logging
-from .settings import Unit, Up, run_config
+from .settings import Sensor, Unit, Up, run_config
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,8 @@ class FiguresCommand:
     """Unit of the file's coordinates."""
     up: Up | None = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
+    sensor: Sensor | None = None
+    """What took the scan; see `indoorfit fit --help`."""
     seed: int | None = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
@@ -58,15 +59,11 @@ class FiguresCommand:
         from dataclasses import replace
 
         from indoorfit.io import read_scan
-        from indoorfit.pipeline import check_figures, fit_scan, write_figures
+        from indoorfit.pipeline import check_figures, fit_scan, sensor_from_data, write_figures
 
-        check_figures(self.format)
-        if self.out.exists() and not self.overwrite:
-            raise OutputError(
-                f"{self.out}: exists already. Fix: choose another directory, or give --overwrite."
-            )
+        check_figures(self.out, self.format, overwrite=self.overwrite)
         given = {"method": self.method, "level": self.level, "seed": self.seed}
-        config = run_config(self.config, self.up, None, self.overrides, **given)
+        config = run_config(self.config, self.up, self.sensor, self.overrides, **given)
         config = replace(config, texture=replace(config.texture, enabled=False))
         pictures = {}
         if self.batch is not None:
@@ -75,6 +72,8 @@ class FiguresCommand:
             pictures["reliability"] = reliability_of(self.batch)
         with announced("read"):
             scan = read_scan(self.scan, unit=self.unit)
+        if self.sensor is None:
+            scan, config = sensor_from_data(scan, config)
         result = fit_scan(scan, config)
         names = write_figures(
             result, scan, config, self.out,

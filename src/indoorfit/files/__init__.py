@@ -9,4 +9,5 @@ from .directory import check_output_directory as check_output_directory
 from .names import FormatName as FormatName
 from .single import atomic_file as atomic_file
 from .single import replace_file as replace_file
+from .together import check_staged as check_staged
 from .together import staged as staged

@@ -33,7 +33,7 @@ def staged(
         OutputError: a target exists, has no writable directory to lie in, or comes twice.
     """
     for path in (*targets, *stale):
-        _check(path, overwrite, marks)
+        check_staged(path, overwrite=overwrite, marks=marks)
     if len({path.resolve() for path in targets}) < len(targets):
         raise OutputError(
             f"{targets[0].name}: two outputs have the same name. Fix: give each a name of its own."
@@ -54,7 +54,12 @@ def staged(
                 remove(folder)
 
 
-def _check(path: Path, overwrite: bool, marks: tuple[str, ...]) -> None:
+def check_staged(path: Path, *, overwrite: bool, marks: tuple[str, ...] = ()) -> None:
+    """Raise now what `staged` would raise for a target, so that no long run ends in it.
+
+    Raises:
+        OutputError: as `staged`.
+    """
     parent = path.absolute().parent
     if not parent.is_dir():
         raise OutputError(f"{path}: there is no directory {path.parent}. Fix: make it, or choose another.")

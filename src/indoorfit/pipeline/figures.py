@@ -9,7 +9,7 @@ from typing import Any
 from indoorfit.config import RunConfig
 from indoorfit.errors import ConfigError, InputError
 from indoorfit.export import optional_module
-from indoorfit.files import staged
+from indoorfit.files import check_staged, staged
 from indoorfit.model import FitResult, Scan
 from indoorfit.report import (
     FIGURE_FORMATS,
@@ -49,13 +49,16 @@ CAPTIONS: Mapping[str, str] = {
 """What each figure shows, for the text under it."""
 
 
-def check_figures(formats: Sequence[FigureFormat]) -> None:
-    """Raise now what writing would raise, so that no long run ends in it.
+def check_figures(
+    directory: str | Path, formats: Sequence[FigureFormat] = ("svg",), *, overwrite: bool = False
+) -> None:
+    """Raise now what `write_figures` would raise, so that no long run ends in it.
 
     Raises:
         ConfigError: no format, or an unknown one.
-        OutputError: a library is not installed.
+        OutputError: a library is not installed, or the directory exists or cannot be written.
     """
+    check_staged(Path(directory), overwrite=overwrite, marks=(_INDEX,))
     unknown = [kind for kind in formats if kind not in FIGURE_FORMATS]
     if unknown or not formats:
         raise ConfigError(
@@ -98,7 +101,7 @@ def write_figures(
         ConfigError: an unknown format.
         OutputError: a library is missing, or the directory exists or cannot be written.
     """
-    check_figures(formats)
+    check_figures(directory, formats, overwrite=overwrite)
     with staged([Path(directory)], overwrite=overwrite, marks=(_INDEX,)) as (place,):
         place.mkdir()
         drawn = {"plan": plan_picture(result, scan.points_m), **(pictures or {})}
