@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from indoorfit.errors import OutputError
 from indoorfit.io import read_scan, write_frames_json, write_ply
 from indoorfit.io.frames import frames_path
 from indoorfit.simulate import (
@@ -59,3 +60,24 @@ def test_other_suffixes_existing_files_and_greedy_are_refused(run_cli, drift_ply
     target = tmp_path / "c.ply"
     assert run_cli("fit", drift_ply, *out, "--method", "greedy", "--write-registered", target).code == 1
     assert not target.exists()
+
+
+@pytest.mark.parametrize(
+    "place", ["no/folder/a.ply", "out/a.ply"], ids=["missing folder", "inside the result"]
+)
+def test_a_place_that_cannot_hold_it_is_told_before_the_fit(run_cli, drift_ply, tmp_path, monkeypatch, place):
+    monkeypatch.setattr("indoorfit.pipeline.fit_scan", lambda *_: pytest.fail("fitted for nothing"))
+    outcome = run_cli("fit", drift_ply, "--out", tmp_path / "out", "--write-registered", tmp_path / place)
+    assert outcome.code == 1
+    assert "a.ply" in outcome.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_model_that_cannot_be_written_leaves_no_cloud_either(run_cli, drift_ply, tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OutputError("room: cannot be written: No space left on device.")
+
+    monkeypatch.setattr("indoorfit.pipeline.write_outputs", full)
+    target = tmp_path / "registered.ply"
+    assert run_cli("fit", drift_ply, "--out", tmp_path / "out", "--write-registered", target).code == 1
+    assert list(tmp_path.iterdir()) == []

@@ -2,13 +2,14 @@
 
 import json
 import sys
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 
-from indoorfit.files import FormatName, check_output_directory
+from indoorfit.files import FormatName, check_output_directory, check_staged, staged
 from indoorfit.stages import announced
 
 from .runtime import set_up_logging
@@ -54,7 +55,7 @@ class FitCommand:
     """Seed of everything random; default 0."""
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
     overwrite: bool = False
-    """Replace an earlier result in the same directory."""
+    """Replace an earlier result in the same directory, and the file of --write-registered."""
     write_registered: Path | None = None
     """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
     belief.use_frames on."""
@@ -91,7 +92,8 @@ class FitCommand:
             scan, config = sensor_from_data(scan, config)
         registered = self.write_registered
         if registered is not None:
-            check_registrable(scan, config, registered, overwrite=self.overwrite)
+            check_registrable(scan, config, registered, out)
+            check_staged(registered, overwrite=self.overwrite)
             config = replace(config, belief=replace(config.belief, use_frames=True))
         return run_pipeline(
             scan,
@@ -107,7 +109,7 @@ class FitCommand:
         )
 
 
-def check_registrable(scan, config, path: Path, *, overwrite: bool) -> None:
+def check_registrable(scan, config, path: Path, out: Path) -> None:
     """Say before the fit what would keep the registered cloud from being written."""
     from indoorfit.errors import InputError, OutputError
 
@@ -123,8 +125,8 @@ def check_registrable(scan, config, path: Path, *, overwrite: bool) -> None:
         )
     if path.suffix.lower() != ".ply":
         raise OutputError(f"{path}: need a name that ends in .ply. Fix: rename it.")
-    if path.exists() and not overwrite:
-        raise OutputError(f"{path}: exists already. Fix: choose another name or give --overwrite.")
+    if path.resolve().is_relative_to(out.resolve()):
+        raise OutputError(f"{path}: lies in {out}, which is written as a whole. Fix: choose another folder.")
 
 
 def run_pipeline(
@@ -157,9 +159,11 @@ def run_pipeline(
         result = with_tape(result, tape)
         for row in result.tape.refused if result.tape else ():
             log.warning("%s, line %d: %s", tape.name, row.line, row.reason)
-    if registered is not None:
-        _write_registered(scan, result, registered, overwrite=overwrite)
-    with announced("write"):
+    with announced("write"), ExitStack() as together:
+        if registered is not None:
+            # Its place is taken last: nothing is left of it where the model cannot be written.
+            (place,) = together.enter_context(staged([registered], overwrite=overwrite))
+            _write_registered(scan, result, place)
         write_outputs(result, out, scan, overwrite=overwrite, formats=formats, pdf=pdf)
     if as_json:
         json.dump(to_document(result), sys.stdout, indent=1)
@@ -170,7 +174,7 @@ def run_pipeline(
     return 0 if result.converged else 3
 
 
-def _write_registered(scan, result, path: Path, *, overwrite: bool) -> None:
+def _write_registered(scan, result, path: Path) -> None:
     from indoorfit.errors import InputError
     from indoorfit.fitting import register
     from indoorfit.io import write_ply
@@ -178,4 +182,4 @@ def _write_registered(scan, result, path: Path, *, overwrite: bool) -> None:
     if not result.registration:
         reason = next((n.message for n in result.notes if n.code == "FRAMES_UNUSED"), "no face has cells.")
         raise InputError(f"{scan.name}: no registered cloud: {reason} Fix: leave --write-registered out.")
-    write_ply(path, register(scan, result.registration), overwrite=overwrite)
+    write_ply(path, register(scan, result.registration))
