@@ -121,8 +121,24 @@ def test_what_is_wrong_is_named(folder, text, said):
     assert "Fix:" in str(caught.value)
 
 
-@pytest.mark.parametrize("row", ["A,wall,x,2,m", "A,wall,1,2,yard", "A,wall,1", 'A,"wall,1,2,m'])
+SHARED = {
+    "scans": '[[scan]]\nfile = "a.ply"\nname = "my room"\n[[scan]]\nfile = "b.ply"\nname = "my_room"\n',
+    "configurations": '[config."x y"]\n[config.x_y]\n[[scan]]\nfile = "a.ply"\n',
+}
+
+
+@pytest.mark.parametrize("text", SHARED.values(), ids=SHARED.keys())
+def test_two_models_never_share_a_folder(folder, text):
+    assert len(study(folder, text).jobs) == 2
+    with pytest.raises(ConfigError, match="one folder"):
+        read_manifest(folder / "manifest.toml", folder / "models")
+
+
+@pytest.mark.parametrize(
+    "row",
+    ["A,wall,x,2,m", "A,wall,nan,2,m", "A,wall,1,inf,m", "A,wall,1,2,yard", "A,wall,1", 'A,"wall,1,2,m'],
+)
 def test_a_wrong_row_of_a_publication_is_named_by_its_line(tmp_path, row):
     (tmp_path / "p.csv").write_text(f"# remark\ndimension,kind,value,reference,unit\n{row}\n")
-    with pytest.raises((InputError, ConfigError)):
+    with pytest.raises(InputError, match="line 3"):
         read_published(tmp_path / "p.csv", "room", "paper", "kinect")

@@ -11,6 +11,8 @@ import sys
 import jsonschema
 import pytest
 
+from indoorfit.batch import read_lengths, reliability_of
+from indoorfit.errors import InputError
 from indoorfit.io import SCHEMA_PATH, read_model_json, read_tape
 from indoorfit.io.model_json import to_document
 
@@ -148,3 +150,24 @@ def test_what_is_no_batch_is_told(run_cli, tmp_path):
     outcome = run_cli("calibrate", tmp_path)
     assert outcome.code == 1
     assert "no finished batch" in outcome.err
+
+
+HEAD = "config,sensor,room,kind,value_m,std_m,data_std_m,level,low_m,high_m,reference_m,reference_std_m,error_m,held"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        (HEAD, "joint,s,r,wall,,0.01,0.01,0.95,1.9,2.1,2.0,0,0,yes"),
+        (HEAD, 'joint,s,r,wall,2.0,0.01,0.01,0.95,1.9,2.1,2.0,0,0,"yes'),
+        (HEAD, "joint,s,r,wall,2.0,0.01,0.01,,1.9,2.1,2.0,0,0,yes"),
+        ("config,low_m", "joint,1.9"),
+    ],
+    ids=["no value", "an open quote", "no level", "columns"],
+)
+def test_a_damaged_batch_is_told_and_never_guessed(tmp_path, lines):
+    (tmp_path / "batch.json").write_text('{"configs": {"joint": {}}}')
+    (tmp_path / "lengths.csv").write_text("\n".join(lines) + "\n")
+    for read in (read_lengths, reliability_of):
+        with pytest.raises(InputError, match="no finished batch"):
+            read(tmp_path)

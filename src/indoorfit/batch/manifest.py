@@ -308,6 +308,7 @@ def _check(reader: _Reader, published: list[PublishedLength]) -> None:
             f"{reader.name}: names no scan. Fix: add [[scan]] with a file. {_HINT.capitalize()}"
         )
     seen: set[tuple[str, str]] = set()
+    folders: dict[str, tuple[str, str]] = {}
     for job in reader.jobs:
         both = (job.name, job.config_name)
         if both in seen:
@@ -316,3 +317,9 @@ def _check(reader: _Reader, published: list[PublishedLength]) -> None:
                 f"{job.config_name!r}. Fix: give each scan a name of its own."
             )
         seen.add(both)
+        other = folders.setdefault(job.model_dir, both) if job.model_dir is not None else both
+        if other != both:
+            raise ConfigError(
+                f"{reader.name}: the models of {' with '.join(other)} and of {' with '.join(both)} would lie "
+                f"in one folder, {Path(str(job.model_dir)).name}. Fix: give one of them another name."
+            )

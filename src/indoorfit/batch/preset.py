@@ -1,6 +1,5 @@
 """From a batch on disk to settings with calibrated intervals."""
 
-import csv
 import json
 import math
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 from indoorfit.errors import InputError
 
 from .calibration import Calibration, JudgedLength
+from .finished import finished_batch, length_records
 from .run import MARK
 from .scales import NoiseScales
 from .settings import settings_toml
@@ -28,22 +28,18 @@ def read_lengths(
         InputError: no batch, no such configuration or sensor, or several configurations and none chosen.
     """
     folder = Path(folder)
-    try:
+    with finished_batch(folder):
         batch = json.loads((folder / MARK).read_text(encoding="utf-8"))
-        with open(folder / "lengths.csv", encoding="utf-8", newline="") as file:
-            records = [record for record in csv.DictReader(file) if record.get("low_m")]
         configs = dict(batch["configs"])
-    except (OSError, ValueError, KeyError, TypeError) as e:
-        raise InputError(
-            f"{folder}: is no finished batch ({e}). Fix: run `indoorfit evaluate MANIFEST --out {folder}`."
-        ) from e
+        records = length_records(folder)
     if config is None and len(configs) == 1:
         config = next(iter(configs))
     if config is None or config not in configs:
         found = f"has no configuration {config!r}" if config else "has several configurations"
         raise InputError(f"{folder}: {found}: {', '.join(configs)}. Fix: choose one with --config.")
-    own = [record for record in records if record["config"] == config]
-    sensors = sorted({record["sensor"] for record in own})
+    with finished_batch(folder):
+        own = [record for record in records if record["config"] == config]
+        sensors = sorted({record["sensor"] for record in own})
     if sensor is not None and sensor not in sensors:
         raise InputError(
             f"{folder}: has no sensor {sensor!r}: {', '.join(sensors)}. Fix: choose one with --sensor."
@@ -53,7 +49,9 @@ def read_lengths(
             f"{folder}: lengths.csv has no column data_std_m: it was written by an earlier version. Fix: run "
             f"`indoorfit evaluate MANIFEST --out {folder}` again."
         )
-    return [_judged(record) for record in own if sensor in (None, record["sensor"])], configs[config]
+    with finished_batch(folder):
+        lengths = [_judged(record) for record in own if sensor in (None, record["sensor"])]
+    return lengths, configs[config]
 
 
 def _judged(record: dict[str, str]) -> JudgedLength:

@@ -1,10 +1,11 @@
 """Lengths out of a publication, so that its figures stand beside those of a run."""
 
 import csv
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from indoorfit.errors import InputError
+from indoorfit.errors import ConfigError, InputError
 from indoorfit.io import metres_per_unit, printable_name
 
 _COLUMNS = ("dimension", "kind", "value", "reference", "unit")
@@ -49,7 +50,9 @@ def read_published(path: Path, name: str, config: str, sensor: str) -> list[Publ
             dimension, kind, value, reference, unit = next(csv.reader([line], strict=True))
             scale = metres_per_unit(unit)
             value_m, reference_m = scale * float(value), scale * float(reference)
-        except (ValueError, csv.Error) as e:
+            if not math.isfinite(value_m + reference_m):
+                raise ValueError(f"{value} and {reference} are no lengths")
+        except (ValueError, csv.Error, ConfigError) as e:
             raise InputError(
                 f"{where}, line {number}: is not {', '.join(_COLUMNS)} ({e}). Fix: repair the line."
             ) from e

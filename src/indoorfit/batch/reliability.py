@@ -1,15 +1,15 @@
 """The reliability of a finished batch's intervals as a picture."""
 
-import csv
 from pathlib import Path
 
 from indoorfit.errors import InputError
 from indoorfit.report import Picture
 
 from .collect import Record
+from .finished import finished_batch, length_records
 from .plots import reliability_picture
 
-_NUMBERS = ("level", "value_m", "low_m", "high_m", "reference_m", "reference_std_m", "error_m")
+_NUMBERS = ("level", "value_m", "low_m", "high_m", "reference_m", "error_m")
 
 
 def reliability_of(folder: str | Path) -> Picture:
@@ -21,15 +21,9 @@ def reliability_of(folder: str | Path) -> Picture:
     Raises:
         InputError: no finished batch, or none of its lengths has an interval and a reference.
     """
-    path = Path(folder) / "lengths.csv"
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            # Lengths out of a paper have no interval.
-            records = [_record(row) for row in csv.DictReader(file) if row["low_m"] and row["held"]]
-    except (OSError, KeyError, ValueError) as e:
-        raise InputError(
-            f"{folder}: is no finished batch ({e}). Fix: run `indoorfit evaluate MANIFEST --out {folder}`."
-        ) from e
+    folder = Path(folder)
+    with finished_batch(folder):
+        records = [_record(row) for row in length_records(folder) if row["held"]]
     picture = reliability_picture(records)
     if picture is None:
         raise InputError(
@@ -40,5 +34,7 @@ def reliability_of(folder: str | Path) -> Picture:
 
 
 def _record(row: dict[str, str]) -> Record:
-    numbers = {name: float(row[name] or 0.0) for name in _NUMBERS}
+    numbers = {name: float(row[name]) for name in _NUMBERS}
+    # That of a truth is nought, and of no reference unknown.
+    numbers["reference_std_m"] = float(row["reference_std_m"] or 0.0)
     return {"config": row["config"], "held": row["held"], **numbers}
