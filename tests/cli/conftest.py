@@ -11,7 +11,7 @@ from synthetic import virtual
 def room_ply(tmp_path_factory):
     """A coloured scan of a box, as users have it."""
     path = tmp_path_factory.mktemp("scans") / "room.ply"
-    write_ply(path, virtual("box", 1, n_points=20_000, yaw_deg=20, tilt_deg=2).scan)
+    write_ply(path, virtual("box", 1, coloured=True, n_points=8000, yaw_deg=20, tilt_deg=2).scan)
     return path
 
 

@@ -1,7 +1,6 @@
 """`indoorfit compare`: both ways of fitting side by side."""
 
 import json
-from dataclasses import replace
 
 import pytest
 
@@ -14,7 +13,7 @@ from synthetic import virtual
 @pytest.fixture(scope="module")
 def scan_ply(tmp_path_factory):
     path = tmp_path_factory.mktemp("compare") / "L.ply"
-    write_ply(path, replace(virtual("L", 1, n_points=25_000).scan, colours=None))
+    write_ply(path, virtual("L", 1, n_points=25_000).scan)
     return path
 
 

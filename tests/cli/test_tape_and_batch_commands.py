@@ -152,7 +152,10 @@ def test_what_is_no_batch_is_told(run_cli, tmp_path):
     assert "no finished batch" in outcome.err
 
 
-HEAD = "config,sensor,room,kind,value_m,std_m,data_std_m,level,low_m,high_m,reference_m,reference_std_m,error_m,held"
+HEAD = (
+    "config,sensor,room,kind,value_m,std_m,data_std_m,"
+    "level,low_m,high_m,reference_m,reference_std_m,error_m,held"
+)
 
 
 @pytest.mark.parametrize(

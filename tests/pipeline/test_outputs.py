@@ -22,7 +22,9 @@ FILES = {
 
 @pytest.fixture(scope="module")
 def fitted():
-    scan = virtual("L", 1, n_points=30_000, yaw_deg=10, tilt_deg=2, translation_m=(4e5, 5e6, 30.0)).scan
+    scan = virtual(
+        "L", 1, coloured=True, n_points=30_000, yaw_deg=10, tilt_deg=2, translation_m=(4e5, 5e6, 30.0)
+    ).scan
     return scan, fit_scan(scan)
 
 

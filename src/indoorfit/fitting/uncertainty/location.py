@@ -27,13 +27,19 @@ def weighted_map(cells: Cells, precisions: Float[np.ndarray, " cells"]) -> Float
         cells: with `cells.seen` true for at least the offsets that matter; unseen rows of L are zero.
         precisions: 1/m^2 per cell.
     """
-    seen = cells.seen
-    design = -cells.design[:, seen]  # the step must cancel the residual, hence the sign
-    weighted = design.T * precisions
-    normal = weighted @ design + np.diag(ridge(cells.n_params)[seen])
+    normal, weighted = _normal_equations(cells, precisions)
     linear = np.zeros((cells.n_params, len(precisions)))
-    linear[seen] = np.linalg.solve(normal, weighted)
+    linear[cells.seen] = np.linalg.solve(normal, weighted)
     return linear
+
+
+def _normal_equations(
+    cells: Cells, precisions: Float[np.ndarray, " cells"]
+) -> tuple[Float[np.ndarray, "seen seen"], Float[np.ndarray, "seen cells"]]:
+    """Matrix and right-hand sides, one for each cell, of the step in the parameters that were seen."""
+    design = -cells.design[:, cells.seen]  # the step must cancel the residual, hence the sign
+    weighted = design.T * precisions
+    return weighted @ design + np.diag(ridge(cells.n_params)[cells.seen]), weighted
 
 
 def student_t_precisions(
@@ -71,6 +77,8 @@ def student_t_precisions(
         weights = updated
         if still:
             break
-        linear = weighted_map(cells, base * weights / scale**2)
-        remaining = cells.residuals_m + cells.design @ (linear @ cells.residuals_m)
+        # One right-hand side: the whole map would take most of the time of a storey's fit.
+        normal, weighted = _normal_equations(cells, base * weights / scale**2)
+        step = np.linalg.solve(normal, weighted @ cells.residuals_m)
+        remaining = cells.residuals_m + cells.design[:, cells.seen] @ step
     return base * weights / scale**2
