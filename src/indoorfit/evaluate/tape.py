@@ -9,7 +9,7 @@ from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2 as chi2_distribution
+from scipy.special import chdtrc
 
 from indoorfit.model import (
     Dimension,
@@ -137,7 +137,7 @@ def _together(
     total = covariance * np.outer(stds / own, stds / own) + np.diag([check.std_m**2 for check in checks])
     deviations = np.array([check.deviation_m for check in checks])
     chi2 = float(deviations @ np.linalg.solve(total, deviations))
-    return chi2, float(chi2_distribution.sf(chi2, len(checks)))
+    return chi2, float(chdtrc(len(checks), chi2))
 
 
 def _plane_covariance(result: FitResult) -> Float[np.ndarray, "planes planes"]:
