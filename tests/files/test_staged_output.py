@@ -85,13 +85,14 @@ def test_errors_name_the_target_and_not_the_temporary_place(tmp_path):
     assert names(tmp_path) == []
 
 
+@pytest.mark.parametrize("folders", [True, False], ids=["told", "found out"])
 @pytest.mark.parametrize("overwrite", [True, False])
-def test_a_file_never_gives_way_to_a_directory(tmp_path, overwrite):
+def test_a_file_never_gives_way_to_a_directory(tmp_path, overwrite, folders):
     scan = tmp_path / "scan.ply"
     scan.write_text("precious")
 
     def attempt():
-        with staged([scan], overwrite=overwrite, marks=("mark.json",)) as (place,):
+        with staged([scan], overwrite=overwrite, marks=("mark.json",), folders=folders) as (place,):
             place.mkdir()
             (place / "mark.json").write_text("new")
 

@@ -50,7 +50,7 @@ class CompareCommand:
         config = run_config(self.config, self.up, self.sensor, level=self.level, seed=self.seed)
         if self.out is None:
             return self._told(self._fitted(config)[0])
-        with staged([self.out], overwrite=self.overwrite, marks=("compare.json",)) as (place,):
+        with staged([self.out], overwrite=self.overwrite, marks=("compare.json",), folders=True) as (place,):
             both, scan = self._fitted(config)
             place.mkdir()
             self._write(place, both, scan)

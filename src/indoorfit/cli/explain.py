@@ -47,7 +47,7 @@ class ExplainCommand:
         if self.out is None:
             self._tell(self._explained())
             return 0
-        with staged([self.out], overwrite=self.overwrite, marks=("explain.json",)) as (place,):
+        with staged([self.out], overwrite=self.overwrite, marks=("explain.json",), folders=True) as (place,):
             found = self._explained()
             place.mkdir()
             _write(place, found)

@@ -12,7 +12,12 @@ from .place import os_errors_told, remove, sibling, swap_in
 
 @contextmanager
 def staged(
-    targets: Sequence[Path], *, overwrite: bool, marks: tuple[str, ...] = (), stale: Sequence[Path] = ()
+    targets: Sequence[Path],
+    *,
+    overwrite: bool,
+    marks: tuple[str, ...] = (),
+    stale: Sequence[Path] = (),
+    folders: bool = False,
 ) -> Iterator[list[Path]]:
     """Places to write to, which take the targets' names when the block ends without an error.
 
@@ -22,9 +27,10 @@ def staged(
     Args:
         targets: files, or directories to be filled.
         overwrite: whether existing targets may be replaced.
-        marks: files that a directory must hold to be replaced, so that none of someone else's ever is. Where
-            there are any the targets are directories, and nothing else is ever replaced by one.
+        marks: files that a directory must hold to be replaced, so that none of someone else's ever is.
         stale: files that would contradict the new ones; removed with `overwrite`, refused without.
+        folders: the targets are directories, so that a file in the place of one is told at once. A file is
+            never replaced by a directory, nor a directory by a file.
 
     Yields:
         for each target a path of the same name in a temporary folder beside it.
@@ -33,28 +39,28 @@ def staged(
         OutputError: a target exists, has no writable directory to lie in, or comes twice.
     """
     for path in (*targets, *stale):
-        check_staged(path, overwrite=overwrite, marks=marks)
+        check_staged(path, overwrite=overwrite, marks=marks, folder=folders)
     if len({path.resolve() for path in targets}) < len(targets):
         raise OutputError(
             f"{targets[0].name}: two outputs have the same name. Fix: give each a name of its own."
         )
-    folders = {path.absolute().parent: sibling(path.absolute(), "part") for path in targets}
+    stages = {path.absolute().parent: sibling(path.absolute(), "part") for path in targets}
     with os_errors_told(targets[0]):
         try:
-            for folder in folders.values():
-                folder.mkdir()
-            yield [folders[path.absolute().parent] / path.name for path in targets]
-            _move_in(folders, targets, overwrite)
+            for stage in stages.values():
+                stage.mkdir()
+            yield [stages[path.absolute().parent] / path.name for path in targets]
+            _move_in(stages, targets, overwrite)
             for path in stale:
                 path.unlink(missing_ok=True)
         except OutputError as e:
-            raise OutputError(_without(folders, str(e))) from e
+            raise OutputError(_without(stages, str(e))) from e
         finally:
-            for folder in folders.values():
-                remove(folder)
+            for stage in stages.values():
+                remove(stage)
 
 
-def check_staged(path: Path, *, overwrite: bool, marks: tuple[str, ...] = ()) -> None:
+def check_staged(path: Path, *, overwrite: bool, marks: tuple[str, ...] = (), folder: bool = False) -> None:
     """Raise now what `staged` would raise for a target, so that no long run ends in it.
 
     Raises:
@@ -67,14 +73,17 @@ def check_staged(path: Path, *, overwrite: bool, marks: tuple[str, ...] = ()) ->
         raise OutputError(f"{path}: {path.parent} cannot be written to. Fix: choose another directory.")
     if os.path.lexists(path) and not overwrite:
         raise OutputError(f"{path}: exists already. Fix: choose another name, or give --overwrite.")
-    if marks and os.path.lexists(path) and not path.is_dir():
-        raise OutputError(f"{path}: is no directory, and one is to be written. Fix: choose another name.")
+    if folder and os.path.lexists(path) and not path.is_dir():
+        raise OutputError(_NO_DIRECTORY.format(path))
     if path.exists() and not path.is_dir() and not path.is_file():
         raise OutputError(f"{path}: is no ordinary file. Fix: name a file.")
     with os_errors_told(path):
         others = path.is_dir() and any(path.iterdir())
         if others and not (marks and all((path / mark).is_file() for mark in marks)):
             raise OutputError(f"{path}: is a directory with other things in it. Fix: choose another name.")
+
+
+_NO_DIRECTORY = "{}: is no directory, and one is to be written. Fix: choose another name."
 
 
 def _move_in(folders: dict[Path, Path], targets: Sequence[Path], overwrite: bool) -> None:
@@ -85,7 +94,9 @@ def _move_in(folders: dict[Path, Path], targets: Sequence[Path], overwrite: bool
         for parent, folder in folders.items()
         for place in _pieces(folder, {folder / path.name for path in wanted if path.parent == parent})
     ]
-    for _, target in moves:
+    for place, target in moves:
+        if place.is_dir() and os.path.lexists(target) and not target.is_dir():
+            raise OutputError(_NO_DIRECTORY.format(target))
         if target not in wanted and os.path.lexists(target) and (not overwrite or target.is_dir()):
             raise OutputError(f"{target}: exists already. Fix: choose another name, or give --overwrite.")
     done: list[tuple[Path, Path, Path | None]] = []

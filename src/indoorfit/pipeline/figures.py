@@ -58,7 +58,7 @@ def check_figures(
         ConfigError: no format, or an unknown one.
         OutputError: a library is not installed, or the directory exists or cannot be written.
     """
-    check_staged(Path(directory), overwrite=overwrite, marks=(_INDEX,))
+    check_staged(Path(directory), overwrite=overwrite, marks=(_INDEX,), folder=True)
     unknown = [kind for kind in formats if kind not in FIGURE_FORMATS]
     if unknown or not formats:
         raise ConfigError(
@@ -102,7 +102,7 @@ def write_figures(
         OutputError: a library is missing, or the directory exists or cannot be written.
     """
     check_figures(directory, formats, overwrite=overwrite)
-    with staged([Path(directory)], overwrite=overwrite, marks=(_INDEX,)) as (place,):
+    with staged([Path(directory)], overwrite=overwrite, marks=(_INDEX,), folders=True) as (place,):
         place.mkdir()
         drawn = {"plan": plan_picture(result, scan.points_m), **(pictures or {})}
         for name, picture in drawn.items():
