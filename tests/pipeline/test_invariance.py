@@ -20,7 +20,7 @@ from synthetic import largest_error_m, lengths, moved, virtual
 
 @pytest.fixture(scope="module", params=["box", "L", "stair"])
 def case(request):
-    scan = virtual(request.param, 1, n_points=60_000, yaw_deg=15, tilt_deg=2).scan
+    scan = virtual(request.param, 1, n_points=30_000, yaw_deg=15, tilt_deg=2).scan
     return scan, fit_scan(scan)
 
 
