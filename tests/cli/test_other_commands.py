@@ -2,11 +2,13 @@
 
 import json
 from importlib.metadata import version
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from indoorfit import io
+from indoorfit.cli.main import Command
 from indoorfit.errors import OutputError
 from indoorfit.io import read_model_json, read_scan
 from synthetic import KINDS
@@ -123,14 +125,33 @@ def test_demo_does_not_replace_what_is_not_its_own(run_cli, tmp_path):
     assert (tmp_path / "demo" / "mine.txt").read_text() == "keep"
 
 
-@pytest.mark.parametrize(
-    "command", [[], ["fit"], ["simulate"], ["demo"], ["info"]], ids=lambda c: "".join(c) or "all"
-)
+COMMANDS = [get_args(command)[1].name for command in get_args(Command)]
+
+
+@pytest.mark.parametrize("command", [[], *([name] for name in COMMANDS)], ids=lambda c: "".join(c) or "all")
 def test_help_is_printed_and_is_no_error(run_cli, command):
     outcome = run_cli(*command, "--help")
     assert outcome.code == 0
     assert outcome.err == ""
     assert "usage: indoorfit" in outcome.out
+    assert "None" not in outcome.out, "what happens without an option is said in words"
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [("fitt", "fit"), ("Fit", "fit"), ("simulte", "simulate"), ("tape_template", "tape-template")],
+)
+def test_a_misspelt_command_is_answered_with_the_one_that_is_meant(run_cli, typed, meant):
+    outcome = run_cli(typed, "scan.ply")
+    assert outcome.code == 2
+    assert outcome.out == ""
+    assert outcome.err == f"indoorfit: there is no command {typed!r}; did you mean {meant}?\n"
+
+
+def test_a_word_like_no_command_gets_the_list(run_cli):
+    outcome = run_cli("xyzzy")
+    assert outcome.code == 2
+    assert all(name in outcome.err + outcome.out for name in COMMANDS)
 
 
 def test_the_version_is_that_of_the_package(run_cli):

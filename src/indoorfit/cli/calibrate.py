@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 
 if TYPE_CHECKING:
@@ -25,11 +26,11 @@ class CalibrateCommand:
 
     batch: tyro.conf.Positional[Path]
     """Directory of `indoorfit evaluate`."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """TOML file for `indoorfit fit --config`; nothing is written without it."""
-    config: str | None = None
+    config: Maybe[str] = None
     """Which configuration of the batch, if it has several."""
-    sensor: str | None = None
+    sensor: Maybe[str] = None
     """Only scans of this sensor, by the manifest's word for it: one preset for each."""
     scales: bool = False
     """Learn three noise scales in place of one factor: what the residuals show, the sensor's scale error, and

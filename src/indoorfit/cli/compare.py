@@ -12,6 +12,7 @@ import tyro
 from indoorfit.files import staged
 from indoorfit.stages import announced
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 
@@ -22,20 +23,20 @@ class CompareCommand:
 
     scan: tyro.conf.Positional[Path]
     """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """Directory for compare.json, compare.txt, compare.svg and compare.png; without it only the table is
     printed."""
-    level: float | None = None
+    level: Maybe[float] = None
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
-    config: Path | None = None
+    config: Maybe[Path] = None
     """TOML file with settings; options given here win over it."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Up | None = None
+    up: Maybe[Up] = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
-    sensor: Sensor | None = None
+    sensor: Maybe[Sensor] = None
     """What took the scan; see `indoorfit fit --help`."""
-    seed: int | None = None
+    seed: Maybe[int] = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
     """Replace an earlier comparison in the same directory."""

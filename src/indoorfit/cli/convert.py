@@ -9,6 +9,7 @@ import tyro
 from indoorfit.errors import ConfigError
 from indoorfit.files import FormatName, staged
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 
 if TYPE_CHECKING:
@@ -27,9 +28,9 @@ class ConvertCommand:
     """model.json of an earlier fit (or SCAN.truth.json of a simulation)."""
     output: Annotated[tyro.conf.UseAppendAction[tuple[Path, ...]], tyro.conf.arg(aliases=["-o"])]
     """File to write; give it again for further files."""
-    format: FormatName | None = None
+    format: Maybe[FormatName] = None
     """Format, where the suffix shall not decide."""
-    scale: int | None = None
+    scale: Maybe[int] = None
     """N of the plans' scale 1:N; default: the first of 1:50, 1:100, 1:200, ... that fits A4 or A3."""
     overwrite: bool = False
     """Replace existing files."""

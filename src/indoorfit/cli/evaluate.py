@@ -6,6 +6,7 @@ from typing import Annotated
 
 import tyro
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 
 
@@ -22,11 +23,11 @@ class EvaluateCommand:
     """TOML or CSV; see docs/batch.md, and the studies in configs/."""
     out: Path
     """Directory of the batch: new, or that of an earlier run to go on with."""
-    workers: int | None = None
+    workers: Maybe[int] = None
     """Local processes; default: one per core."""
-    scheduler: str | None = None
+    scheduler: Maybe[str] = None
     """Address of a running Dask scheduler, e.g. tcp://host:8786, for its workers (extra `dask`)."""
-    memory_gb: float | None = None
+    memory_gb: Maybe[float] = None
     """Most memory of one local process; a scan that needs more is ended and said so. Default: no limit."""
     timeout_s: float = 1800.0
     """Longest time for one scan on a local process."""

@@ -11,6 +11,7 @@ import tyro
 from indoorfit.files import staged
 from indoorfit.stages import announced
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 from .settings import Unit, Up, run_config
 
@@ -21,18 +22,18 @@ class ExplainCommand:
 
     scan: tyro.conf.Positional[Path]
     """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """Directory for explain.json, explain.txt, explain.svg and explain.png; without it only the text is
     printed."""
-    config: Path | None = None
+    config: Maybe[Path] = None
     """TOML file with settings; options given here win over it."""
-    overrides: Path | None = None
+    overrides: Maybe[Path] = None
     """TOML file with a table [overrides]: walls forced or forbidden, boxes ignored, yaw, up axis."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Up | None = None
+    up: Maybe[Up] = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
-    seed: int | None = None
+    seed: Maybe[int] = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
     """Replace an earlier explanation in the same directory."""

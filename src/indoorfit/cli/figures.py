@@ -10,6 +10,7 @@ import tyro
 
 from indoorfit.stages import announced
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 
@@ -28,23 +29,23 @@ class FiguresCommand:
     """Directory to write; it must not exist, or hold earlier figures and --overwrite be given."""
     format: tuple[Literal["svg", "pdf", "png"], ...] = ("svg",)
     """File formats, e.g. `--format svg pdf`."""
-    batch: Path | None = None
+    batch: Maybe[Path] = None
     """Directory of `indoorfit evaluate`: adds the reliability of its intervals."""
-    method: Literal["joint", "greedy"] | None = None
+    method: Maybe[Literal["joint", "greedy"]] = None
     """Of the model in plan and histogram; default joint."""
-    level: float | None = None
+    level: Maybe[float] = None
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
-    config: Path | None = None
+    config: Maybe[Path] = None
     """TOML file with settings; options given here win over it."""
-    overrides: Path | None = None
+    overrides: Maybe[Path] = None
     """TOML file with a table [overrides]."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Up | None = None
+    up: Maybe[Up] = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
-    sensor: Sensor | None = None
+    sensor: Maybe[Sensor] = None
     """What took the scan; see `indoorfit fit --help`."""
-    seed: int | None = None
+    seed: Maybe[int] = None
     """Seed of everything random; default 0."""
     overwrite: bool = False
     """Replace earlier figures in the same directory."""

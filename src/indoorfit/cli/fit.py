@@ -12,6 +12,7 @@ import tyro
 from indoorfit.files import FormatName, check_output_directory, check_staged, staged
 from indoorfit.stages import announced
 
+from .maybe import Maybe
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 from .texture_options import Textures
@@ -23,40 +24,40 @@ class FitCommand:
 
     scan: tyro.conf.Positional[Path]
     """The point cloud: .ply, .pcd, .xyz, .txt, .csv, .pts, .npy or .npz."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """Directory to write. It must not exist yet, unless it holds an earlier result and --overwrite is given.
     Default: in the current directory, the scan's name with -room."""
-    method: Literal["joint", "greedy"] | None = None
+    method: Maybe[Literal["joint", "greedy"]] = None
     """joint (default): all surfaces fitted together; greedy: the procedure of the 2013 thesis."""
-    level: float | None = None
+    level: Maybe[float] = None
     """Coverage of the intervals, 0.5 to 0.999; default 0.95."""
-    config: Path | None = None
+    config: Maybe[Path] = None
     """TOML file with settings; options given here win over it."""
-    tape: Path | None = None
+    tape: Maybe[Path] = None
     """Readings of a tape or laser meter (CSV, TOML; see tape-template): adds deviation and E_n."""
-    overrides: Path | None = None
+    overrides: Maybe[Path] = None
     """TOML file with a table [overrides]: walls forced or forbidden, boxes ignored, yaw, up axis."""
     unit: Unit = "m"
     """Unit of the file's coordinates."""
-    up: Up | None = None
+    up: Maybe[Up] = None
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
-    sensor: Sensor | None = None
+    sensor: Maybe[Sensor] = None
     """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
     Default: chosen by the data where frame ids and sensor poses decide it, which is said; else unknown:
     nothing is added, and the output says so."""
     sample: bool = False
     """Sample the noise model of the walls by Markov chains (emcee) instead of the analytic approximation;
     refuses to report from chains that have not converged. That of the frames' slips stays analytic."""
-    format: tuple[FormatName, ...] = ()
+    format: Annotated[tuple[FormatName, ...], tyro.conf.arg(help_behavior_hint="")] = ()
     """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
     pdf: bool = False
     """Also write report.pdf: plan, tables, warnings and provenance on A4; needs `indoorfit[plan]`."""
-    seed: int | None = None
+    seed: Maybe[int] = None
     """Seed of everything random; default 0."""
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
     overwrite: bool = False
     """Replace an earlier result in the same directory, and the file of --write-registered."""
-    write_registered: Path | None = None
+    write_registered: Maybe[Path] = None
     """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
     belief.use_frames on."""
     json: bool = False

@@ -4,8 +4,9 @@ import errno
 import io
 import os
 import sys
+from difflib import get_close_matches
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, get_args
 
 from indoorfit.environment import prepare_numerics
 
@@ -50,6 +51,7 @@ Command = (
 )
 
 
+USAGE = 2
 BROKEN_PIPE = 128 + 13
 """What a shell reports of a program that SIGPIPE ended."""
 
@@ -106,6 +108,9 @@ def _run() -> int:
         if sys.argv[1:] == ["--version"]:
             sys.stdout.write(f"indoorfit {version('indoorfit')}\n")
             return 0
+        if meant := _meant(sys.argv[1:]):
+            sys.stderr.write(f"indoorfit: there is no command {sys.argv[1]!r}; did you mean {meant}?\n")
+            return USAGE
         return parse().run()
     except IndoorfitError as error:
         end_logging()
@@ -119,6 +124,14 @@ def _run() -> int:
         end_logging()
         # Now and not at the interpreter's end, where a closed pipe could only be complained of.
         sys.stdout.flush()
+
+
+def _meant(arguments: list[str]) -> str | None:
+    """The command that was misspelt; None where there is none, or it is like no command."""
+    names = [get_args(command)[1].name for command in get_args(Command)]
+    if not arguments or arguments[0].startswith("-") or arguments[0] in names:
+        return None
+    return next(iter(get_close_matches(arguments[0].lower(), names, n=1)), None)
 
 
 if __name__ == "__main__":

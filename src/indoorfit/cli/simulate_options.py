@@ -6,6 +6,8 @@ from typing import Any, Literal
 
 from indoorfit.errors import ConfigError
 
+from .maybe import Maybe
+
 Preset = Literal["box", "L", "U", "X", "T", "Z", "stair"]
 
 
@@ -13,15 +15,15 @@ Preset = Literal["box", "L", "U", "X", "T", "Z", "stair"]
 class Plan:
     """Size of a preset plan (box to stair); the height also holds for `random`."""
 
-    length: float | None = None
+    length: Maybe[float] = None
     """Extent along x, metres; default: the kind's own."""
-    width: float | None = None
+    width: Maybe[float] = None
     """Extent along y, metres."""
-    height: float | None = None
+    height: Maybe[float] = None
     """Floor to ceiling, metres; default: 2.70, and 2.3 to 3.2 for `random`."""
-    notch_length: float | None = None
+    notch_length: Maybe[float] = None
     """Extent of the (largest) notch along x, metres."""
-    notch_width: float | None = None
+    notch_width: Maybe[float] = None
     """Extent of the (largest) notch along y, metres."""
 
 
@@ -29,14 +31,14 @@ class Plan:
 class Sampling:
     """Points drawn evenly from all surfaces: a preset plan without --sensor."""
 
-    points: int | None = None
+    points: Maybe[int] = None
     """Number of points; default: 150 000."""
-    noise: float | None = None
+    noise: Maybe[float] = None
     """Standard deviation of the noise, metres; default: 0.005 as in the thesis (5.1.1)."""
-    noise_model: Literal["normal", "isotropic", "kinect"] | None = None
+    noise_model: Maybe[Literal["normal", "isotropic", "kinect"]] = None
     """normal (default): along the surface normal; isotropic; kinect: line of sight, 4 cm at 5 m, growing
     with d²."""
-    outliers: float | None = None
+    outliers: Maybe[float] = None
     """Share of points spread over the bounding box, 0 to 1; default: 0."""
 
 
@@ -44,11 +46,11 @@ class Sampling:
 class Contents:
     """What the scene holds. A preset plan is empty by default; all but the first two need --sensor there."""
 
-    furniture: int | None = None
+    furniture: Maybe[int] = None
     """Number of things; default: 5 for `random`. Some may find no place."""
-    windows: int | None = None
+    windows: Maybe[int] = None
     """Number of windows; default: 1 for `random`."""
-    doors: int | None = None
+    doors: Maybe[int] = None
     """Number of doors open to a corridor; default: 1 for `random`. Doors between rooms come by themselves."""
     bookcase: bool = False
     """A bookcase hides half of the longest wall."""
@@ -60,13 +62,13 @@ class Contents:
     """A beam of 20 to 40 cm crosses below the ceiling."""
     oblique: bool = False
     """A corner is cut off at about 45 degrees: not a Manhattan world any more."""
-    uneven: float | None = None
+    uneven: Maybe[float] = None
     """Bow and tilt of every wall, at most, metres; DIN 18202 allows 0.01 over 4 m. Default: 0."""
-    walls: int | None = None
+    walls: Maybe[int] = None
     """Walls of a `random` room, even, from 4; default: 8."""
-    rooms: int | None = None
+    rooms: Maybe[int] = None
     """Box rooms side by side in a `random` scene; default: 1."""
-    scene: Path | None = None
+    scene: Maybe[Path] = None
     """The TOML or JSON file of `indoorfit simulate scene`."""
 
 
@@ -74,33 +76,33 @@ class Contents:
 class Scanning:
     """The virtual scanner: for `random` and `scene`, and for a preset plan with --sensor."""
 
-    sensor: str | None = None
+    sensor: Maybe[str] = None
     """kinect_v1 (default), phone_lidar, tof_camera, tls, or a TOML file like the presets."""
     exact: bool = False
     """Switch all errors of the sensor off; occlusion and limits stay."""
-    frames: int | None = None
+    frames: Maybe[int] = None
     """Frames of a hand-held camera; default: 90."""
-    stations: int | None = None
+    stations: Maybe[int] = None
     """Stations of a scanner on a tripod; default: 2, or one per room."""
-    motion: Literal["walk", "spin"] | None = None
+    motion: Maybe[Literal["walk", "spin"]] = None
     """walk (default): turn on the way; spin: stand at a few places and turn once round."""
-    pixel_step: int | None = None
+    pixel_step: Maybe[int] = None
     """Keep every n-th row and column; default: 4."""
-    registration: Literal["0", "5mm", "2cm", "5cm"] | None = None
+    registration: Maybe[Literal["0", "5mm", "2cm", "5cm"]] = None
     """RMS of the pose errors along each axis, drift with its loop closed; default: 0."""
-    jump_share: float | None = None
+    jump_share: Maybe[float] = None
     """Share of that variance which jumps between sectors of frames instead of drifting; default: 0."""
-    slip_share: float | None = None
+    slip_share: Maybe[float] = None
     """Share of frames, one block, that is displaced by 6 cm and 1 degree; default: 0."""
-    scale_error: float | None = None
+    scale_error: Maybe[float] = None
     """Everything is larger by this share; default: 0."""
     no_frame_ids: bool = False
     """Do not tell for each point which frame or station it comes from (property `frame`)."""
     sensor_poses: bool = False
     """Also write the estimated sensor poses to SCAN.frames.json."""
-    write_scene: Path | None = None
+    write_scene: Maybe[Path] = None
     """Also write the scene as TOML or JSON, to be edited and passed to `simulate scene`."""
-    rgbd: Path | None = None
+    rgbd: Maybe[Path] = None
     """Also write the frames as RGB-D images in the layout of the TUM benchmark; a new directory."""
 
 

@@ -8,6 +8,8 @@ import tyro
 
 from indoorfit.errors import ConfigError
 
+from .maybe import Maybe
+
 if TYPE_CHECKING:
     from indoorfit.model import Pictures
     from indoorfit.texture import TextureConfig
@@ -19,14 +21,14 @@ class Textures:
 
     no_textures: bool = False
     """Make none."""
-    images: Path | None = None
+    images: Maybe[Path] = None
     """Folder of colour images with poses (rgb.txt, estimated.txt or groundtruth.txt, intrinsics.txt)."""
     photo: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
     """A photo put on a face by its corners: FACE=FILE:x1,y1,x2,y2,x3,y3,x4,y4 (upper left, upper right, lower
     right, lower left as seen from inside, in pixels). May be given again for other faces."""
-    photos: Path | None = None
+    photos: Maybe[Path] = None
     """The same as a TOML file: a table per face with file and corners."""
-    texture_pixel: float | None = None
+    texture_pixel: Maybe[float] = None
     """Side of a texture pixel, metres; default 0.01 from points, 0.005 from images, photos their own."""
     fill_gaps: bool = False
     """Let the colours around gaps diffuse into them; by default gaps are transparent."""
@@ -34,7 +36,7 @@ class Textures:
     """One image for all faces."""
     power_of_two: bool = False
     """Images with sides of 2, 4, 8, ... pixels."""
-    image_format: Literal["png", "jpeg", "webp"] | None = None
+    image_format: Maybe[Literal["png", "jpeg", "webp"]] = None
     """Of the texture files; default png."""
 
     def settings(self, config: "TextureConfig") -> "TextureConfig":
