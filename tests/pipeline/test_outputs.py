@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 
+from indoorfit.config import RunConfig
 from indoorfit.errors import OutputError
+from indoorfit.fitting import AssociationConfig
 from indoorfit.io import SCHEMA_PATH, read_model_json
 from indoorfit.pipeline import fit_scan, outputs, write_outputs
+from indoorfit.report import residuals_of
 from synthetic import virtual
 
 FILES = {
@@ -124,3 +127,14 @@ def test_without_a_scan_the_plan_is_drawn_all_the_same(fitted, tmp_path):
 def test_the_report_is_written_as_pdf_where_it_is_wanted(fitted, tmp_path):
     write_outputs(fitted[1], tmp_path / "out", fitted[0], overwrite=False, pdf=True)
     assert (tmp_path / "out" / "report.pdf").read_bytes().startswith(b"%PDF-")
+
+
+def test_the_report_speaks_of_the_points_that_the_fit_used(tmp_path):
+    scan = virtual("box", 1, n_points=8000).scan
+    association = AssociationConfig(edge_m=0.4)
+    config = RunConfig(joint=replace(RunConfig().joint, association=association))
+    result = fit_scan(scan, config)
+    used, more = (residuals_of(result, scan.points_m, a).n_points for a in (association, None))
+    assert used < 0.9 * more
+    write_outputs(result, tmp_path / "out", scan, overwrite=False)
+    assert f"Distances of {used} points" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from indoorfit.config import config_from_dict
 from indoorfit.export import write_dimensions_csv, write_glb, write_images, write_obj, write_vrml
 from indoorfit.files import FormatName, atomic_directory
+from indoorfit.fitting import AssociationConfig
 from indoorfit.io import write_model_json
 from indoorfit.model import FitResult, Scan
 from indoorfit.report import (
@@ -57,7 +59,7 @@ def write_outputs(
         (out / "plan.svg").write_text(drawing, encoding="utf-8")
         write_picture_png(out / "plan.png", picture)
         render_png(out / "view.png", result)
-        residuals = None if points_m is None else residuals_of(result, points_m)
+        residuals = None if points_m is None else residuals_of(result, points_m, _association(result))
         (out / "report.html").write_text(report_html(result, drawing, residuals), encoding="utf-8")
         if pdf:
             (out / "report.pdf").write_bytes(report_pdf(result, picture))
@@ -65,3 +67,8 @@ def write_outputs(
             target = out / FORMATS[name].file_name
             if not target.exists():
                 FORMATS[name].write(target, result, None)
+
+
+def _association(result: FitResult) -> AssociationConfig:
+    """Which points the fit let its planes claim: the report speaks of the same."""
+    return config_from_dict(dict(result.provenance.get("config", {}))).joint.association

@@ -119,7 +119,7 @@ def _seen(
     """Face, flat pixel numbers, grey values and weights of what one image shows, moved as it is by now."""
     pixels = view.image.load()
     crisp = sharpness(pixels)
-    moved = partial(_move_of, moves, k)
+    moved = partial(move_of, moves, k)
     for face, sighting, place in sightings(
         view, scene.planes, scene.masks, scene.around, scene.config, moved
     ):
@@ -129,7 +129,8 @@ def _seen(
         yield face, place, grey, weight_of(view, sighting, canvas, crisp, scene.config.view_power)
 
 
-def _move_of(moves: Moves, image: int, face: int) -> Move | None:
+def move_of(moves: Moves, image: int, face: int) -> Move | None:
+    """Where the image shows the face, if not where its pose says."""
     return moves.get((image, face))
 
 

@@ -1,6 +1,6 @@
 """Textures from posed camera images (thesis 7.3, the last recommendation)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from indoorfit.model import CameraImage, FaceTexture, FitResult, Scan
 
-from .align import align
+from .align import Moves, align, move_of
 from .canvas import Canvas, canvas_of
 from .claim import claim_points
 from .config import TextureConfig
@@ -17,7 +17,7 @@ from .finish import finished
 from .nearest import Colouring, colour_from_points
 from .sampling import sampled, sharpness
 from .sightings import Surroundings, footprint_of, sightings, weight_of
-from .views import Move, planes_of, view_of
+from .views import planes_of, view_of
 
 _SPARSE_M = 0.10
 """Distance of the places where exposures are compared: some hundreds on a wall."""
@@ -111,15 +111,11 @@ def _gains(
     return balance(samples.astype(float))
 
 
-def _move(moves: Mapping[tuple[int, int], Move], image: int, face: int) -> Move | None:
-    return moves.get((image, face))
-
-
 def _blend(
     canvases: Sequence[Canvas],
     images: Sequence[CameraImage],
     gains: Float[np.ndarray, "images 3"],
-    moves: Mapping[tuple[int, int], Move],
+    moves: Moves,
     around: Surroundings,
     config: TextureConfig,
 ) -> list[Colouring]:
@@ -131,7 +127,7 @@ def _blend(
         view = view_of(image, planes, around.base_m, around.foreign_m, around.foreign_size_m)
         pixels = image.load()
         crisp = sharpness(pixels)
-        moved = partial(_move, moves, k)
+        moved = partial(move_of, moves, k)
         for face, sighting, place in sightings(view, planes, masks, around, config, moved):
             footprint = footprint_of(view, sighting, canvases[face])
             colours = sampled(pixels, sighting.u, sighting.v, footprint) * gain.astype(np.float32)
