@@ -115,7 +115,7 @@ def explain(
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     plan = find_plan(surfaces, seen_m2, config.candidates, config.labels, config.rooms, overrides)
-    energy = plan_energy(plan.evidence, plan.grid, seen_m2, config.labels, plan.forbidden)
+    energy = plan_energy(plan.evidence, plan.grid, plan.price, config.labels, plan.forbidden)
     odds = -cell_costs(plan.evidence, np.outer(*(np.diff(line) for line in plan.grid)), config.labels)
     candidates = tuple(
         _report(plan, energy, odds, axis, k, config.labels.max_open_cells)

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from indoorfit.errors import ConfigError
 from indoorfit.model import Note
 
+from .candidates import Lines
 from .evidence import Evidence
 from .minimise import PlanEnergy, minimise
 
@@ -42,8 +43,8 @@ class LabelConfig:
     wall_elsewhere: float = 0.05
     """Chance of wall up to the ceiling where the room does not end: partitions, wardrobes."""
     wall_price: float | None = None
-    """Cost of every wall of the outline, for the position that it adds: by default half the logarithm of
-    the number of patches of surface that were seen, about 3.5 (Schwarz 1978)."""
+    """Cost in nats of every wall of the outline and of every level; by default, see `price_of_wall` and
+    `price_of_one`."""
 
     max_open_cells: int = 200
     """Cells that the linear relaxation may leave open for branch and bound, which then takes seconds. Scans
@@ -69,7 +70,7 @@ class LabelConfig:
 def label_cells(
     evidence: Evidence,
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    seen_m2: float,
+    price: float,
     config: LabelConfig,
     forbidden: Borders | None = None,
 ) -> tuple[Bool[np.ndarray, "nx ny"], tuple[Note, ...]]:
@@ -82,20 +83,20 @@ def label_cells(
     Args:
         evidence: shares seen, see `Evidence`.
         grid: candidate lines, Manhattan frame, metres.
-        seen_m2: area of all surfaces that were seen, for the price of a wall.
+        price: of a wall, nats, see `price_of_wall`.
         config: see `LabelConfig`.
         forbidden: borders of constant x, of constant y, along which no outline may run.
     """
-    energy = plan_energy(evidence, grid, seen_m2, config, forbidden)
+    energy = plan_energy(evidence, grid, price, config, forbidden)
     inside, gap = minimise(energy, config.max_open_cells)
     # A whole wall's price short of the best is worth a warning.
-    return inside, (_gap_note(gap),) if gap > price_of_one(seen_m2, config) else ()
+    return inside, (_gap_note(gap),) if gap > price else ()
 
 
 def plan_energy(
     evidence: Evidence,
     grid: tuple[Float[np.ndarray, " nx1"], Float[np.ndarray, " ny1"]],
-    seen_m2: float,
+    price: float,
     config: LabelConfig,
     forbidden: Borders | None = None,
 ) -> PlanEnergy:
@@ -108,11 +109,11 @@ def plan_energy(
         cost = -log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
         cost = cost * along / config.patch_m
         borders.append(cost if forbidden is None else np.where(forbidden[axis], FORBIDDEN_NATS, cost))
-    return PlanEnergy(cells, (borders[0], borders[1]), price_of_one(seen_m2, config))
+    return PlanEnergy(cells, (borders[0], borders[1]), price)
 
 
 def price_of_one(seen_m2: float, config: LabelConfig) -> float:
-    """What one more parameter costs, in nats.
+    """What one more parameter costs, in nats: half the logarithm of the sample's size (Schwarz 1978).
 
     Args:
         seen_m2: area of all surfaces that were seen.
@@ -122,6 +123,20 @@ def price_of_one(seen_m2: float, config: LabelConfig) -> float:
         return config.wall_price
     # As many observations as the evidence is counted in.
     return 0.5 * float(np.log(max(seen_m2 / config.patch_m**2, np.e)))
+
+
+def price_of_wall(lines: tuple[Lines, Lines], config: LabelConfig) -> float:
+    """What one more wall of the outline costs, in nats: to name its line among those where wall was seen.
+
+    The lines have their positions already, so a wall is a choice among N of them, and that takes log N
+    (Rissanen 1978); the mean over both axes, as the outline turns from one to the other at every corner.
+    Lines where only floor or ceiling ends do not count: their number grows with the furniture, not with the
+    walls.
+    """
+    if config.wall_price is not None:
+        return config.wall_price
+    # A room has two walls of each axis, seen or not.
+    return float(np.mean([np.log(max(2, int(np.sum(of_axis.seen)))) for of_axis in lines]))
 
 
 def _gap_note(gap: float) -> Note:

@@ -10,7 +10,7 @@ from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends
 from .evidence import Evidence, gather_evidence
-from .labelling import Borders, LabelConfig, label_cells, price_of_one
+from .labelling import Borders, LabelConfig, label_cells, price_of_one, price_of_wall
 from .level_task import Grid
 from .overrides import (
     PlanOverrides,
@@ -35,8 +35,8 @@ class Plan:
     """Borders that a person said are wall."""
     forbidden: Borders
     """Borders that a person said are none."""
-    seen_m2: float
-    """Area of all surfaces that were seen."""
+    price: float
+    """Of a wall of the outline, nats."""
     inside: Bool[np.ndarray, "nx ny"]
     """The labels of least energy."""
     rooms: list[Bool[np.ndarray, "nx ny"]]
@@ -77,13 +77,14 @@ def find_plan(
     lines = candidate_lines(surfaces, candidates, price_of_one(seen_m2, labels))
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
     lines, partial = _two_each(lines, surfaces)
+    price = price_of_wall(lines, labels)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
     evidence = overridden_evidence(gather_evidence(surfaces, lines), forced, forbidden)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
-    inside, notes = label_cells(evidence, grid, seen_m2, labels, forbidden)
+    inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, evidence, forced, forbidden, seen_m2, inside, found_rooms, notes)
+    return Plan(lines, evidence, forced, forbidden, price, inside, found_rooms, notes)
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:
