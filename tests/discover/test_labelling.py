@@ -5,8 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from indoorfit.discover.candidates import Lines
 from indoorfit.discover.evidence import Evidence
-from indoorfit.discover.labelling import LabelConfig, cell_costs, label_cells
+from indoorfit.discover.labelling import LabelConfig, cell_costs, label_cells, price_of_wall
 
 PRICE = 3.5  # nats; a wall with a thousand patches
 
@@ -108,3 +109,31 @@ def test_a_scan_without_any_ceiling_is_labelled_by_its_floor():
     )
     grid = (np.array([0.0, 4.0, 8.0]), np.array([0.0, 4.0]))
     np.testing.assert_array_equal(label_cells(evidence, grid, PRICE, LabelConfig())[0].ravel(), [True, False])
+
+
+def lines_of(offsets_m: list[float], seen: list[bool]) -> Lines:
+    return Lines(np.array(offsets_m), np.array(seen), np.zeros(0, int))
+
+
+def test_a_pillar_of_which_two_sides_were_seen_is_no_part_of_the_room():
+    # Half a metre square; nobody walked round it, but floor and ceiling have a hole there.
+    across = lines_of([0.0, 2.0, 2.5, 5.0], [True, True, False, True])
+    hole = np.ones((3, 3))
+    hole[1, 1] = 0.0
+    walls = np.zeros((4, 3))
+    walls[[0, 3]] = 1.0
+    walls[1, 1] = 1.0
+    evidence = evidence_of(ceiling=hole, floor=hole, walls=(walls, walls.T))
+    config = LabelConfig()
+    price = price_of_wall((across, across), config)
+    inside = label_cells(evidence, (across.offsets_m, across.offsets_m), price, config)[0]
+    np.testing.assert_array_equal(inside, hole.astype(bool))
+
+
+def test_the_price_of_a_wall_is_the_length_of_its_name():
+    few, many = lines_of([0.0, 1.0], [True, True]), lines_of([0.0, 1.0, 2.0, 3.0, 4.0], [True] * 4 + [False])
+    assert price_of_wall((few, few), LabelConfig()) == pytest.approx(np.log(2))
+    assert price_of_wall((few, many), LabelConfig()) == pytest.approx(0.5 * np.log(2 * 4))
+    # A partial scan shows no wall of one axis; a room has two of each.
+    assert price_of_wall((lines_of([0.0], [False]), few), LabelConfig()) == pytest.approx(np.log(2))
+    assert price_of_wall((few, many), LabelConfig(wall_price=7.0)) == 7.0

@@ -1,5 +1,7 @@
 """Rooms of the thesis' kinds through the whole pipeline: structure right, dimensions within their noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -121,3 +123,13 @@ def test_greedy_is_recorded_as_what_it_is():
     assert np.max(np.abs(np.diff(values, axis=0))) > 1e-6
     # Thesis: 10 cm is the reach of the selection; both must describe the same room.
     assert largest_error_m(greedy, truth_of(scan)) < 0.05
+
+
+def test_a_fit_that_does_not_rest_says_at_which_face():
+    config = RunConfig()
+    # Nothing stands still to a tenth of a nanometre.
+    config = replace(config, joint=replace(config.joint, settle=1e-9, max_rounds=3))
+    result = fit_scan(virtual("box", 5, n_points=8_000).scan, config)
+    (note,) = (note for note in result.notes if note.code == "NOT_CONVERGED")
+    assert not result.converged
+    assert any(face.id in note.message for face in result.faces)

@@ -50,6 +50,8 @@ class JointFit:
     """Solver steps of the last round."""
     rounds: int
     converged: bool
+    moved_m: Float[np.ndarray, " planes"]
+    """How far each plane moved in the last round."""
 
 
 def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
@@ -87,19 +89,28 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
     local_m = scan.points_m - frame.origin_scan_m
     stride = max(1, len(local_m) // config.coarse_points)
     state = _State(start, frame.R_manhattan_scan)
-    still, rounds, steps = False, 0, 0
+    still, rounds, steps, before_m = False, 0, 0, start.offsets_m
     # Coarse rounds until the association stands still, then rounds with all points.
     for step in ([stride] if stride > 1 else []) + [1]:
         still = False
         while not still and rounds < config.max_rounds:
             rounds += 1
+            before_m = state.shape.offsets_m
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
             still = moved_m < config.settle * config.association.reach_m
     frame = Frame(state.rotation, frame.origin_scan_m)
     assert state.data is not None, "at least one round was made"
     assert state.cells is not None, "at least one round was made"
     return JointFit(
-        state.shape, frame, state.data, state.cells, state.cost, steps, rounds, still and state.solved
+        shape=state.shape,
+        frame=frame,
+        data=state.data,
+        cells=state.cells,
+        cost=state.cost,
+        steps=steps,
+        rounds=rounds,
+        converged=still and state.solved,
+        moved_m=np.abs(state.shape.offsets_m - before_m),
     )
 
 

@@ -113,6 +113,8 @@ class _Fitted:
     pixel_m: float
     notes: tuple[Note, ...]
     converged: bool
+    restless: tuple[int, ...]
+    """Planes that still moved in the last round, the farthest first."""
 
 
 def _fit(
@@ -128,6 +130,7 @@ def _fit(
             shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
+        restless: tuple[int, ...] = ()
     else:
         with watch.stage("discover"):
             said = plan_overrides(config.overrides, frame)
@@ -138,13 +141,15 @@ def _fit(
         log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
         shape, frame, data = joint.shape, joint.frame, joint.data
         cells, converged = joint.cells, joint.converged
+        limit_m = config.joint.settle * config.joint.association.reach_m
+        restless = tuple(int(k) for k in np.argsort(-joint.moved_m) if joint.moved_m[k] >= limit_m)
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
             frame_cells = cells_by_frame(
                 scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
             )
-    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged)
+    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, restless)
 
 
 def _measure(
@@ -199,7 +204,7 @@ def _measure(
                 *belief.notes,
                 *face_notes(shape, found),
                 *doubts,
-                *_doubts(closed, fitted.converged),
+                *_doubts(closed, fitted, found),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
@@ -248,18 +253,24 @@ def _unseen_told(shape: Shape, data: PatchData) -> Shape:
     return replace(shape, planes=tuple(planes))
 
 
-def _doubts(closed: bool, converged: bool) -> tuple[Note, ...]:
+_NAMED = 5
+"""More faces in a message are not read."""
+
+
+def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
     """The two ways in which a model can be written and yet not be sound (exit code 3)."""
     notes = []
     if not closed:
         message = "A room's solid is not closed or not in one piece; do not use its volume."
         notes.append(Note("NOT_CLOSED", message))
-    if not converged:
+    if not fitted.converged:
+        faces = [face.id for k in fitted.restless for face in found.faces if face.polygon.plane == k]
+        at = f" of {', '.join(faces[:_NAMED])}" if faces else ""
         notes.append(
             Note(
                 "NOT_CONVERGED",
-                "The fit did not come to rest: points keep changing between planes. Fix: raise "
-                "joint.max_rounds, or look at the plan for a wall that is not there.",
+                f"The fit did not come to rest: the points{at} keep changing between planes. Fix: look at "
+                "the plan there for a wall that is not there, and forbid it; or raise joint.max_rounds.",
             )
         )
     return tuple(notes)
