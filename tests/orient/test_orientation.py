@@ -104,3 +104,20 @@ def test_a_ball_is_no_manhattan_room():
     points_m = 2.0 * directions / np.linalg.norm(directions, axis=1, keepdims=True)
     with pytest.raises(InputError, match=r"perpendicular directions.*Fix:"):
         oriented(Scan(points_m))
+
+
+def test_a_single_picture_says_that_up_is_an_assumption():
+    made = virtual("box", 4, n_points=60_000)
+    room_m = made.frame.to_manhattan(made.scan.points_m)
+    low_m, high_m = room_m.min(axis=0), room_m.max(axis=0)
+    # Looking at the far corner from the other end of the room: x right, y down, z ahead.
+    ahead = np.array([1.0, 1.0, 0.0]) / np.sqrt(2.0)
+    axes = np.stack([np.cross(ahead, [0.0, 0.0, 1.0]), [0.0, 0.0, -1.0], ahead])
+    eye_m = np.append(low_m[:2] + 0.2, 0.5 * (low_m[2] + high_m[2]))
+    seen_m = (room_m - eye_m) @ axes.T
+    seen_m = seen_m[np.abs(seen_m[:, :2]).max(axis=1) < 0.9 * seen_m[:, 2]]
+    frame, _, notes = oriented(moved(made.scan, seen_m))
+    np.testing.assert_allclose(frame.R_manhattan_scan[2], [0.0, -1.0, 0.0], atol=0.01)
+    assert [note.code for note in notes] == ["UP_UNCERTAIN"]
+    # Who names it is not told so.
+    assert oriented(moved(made.scan, seen_m), RunConfig(orient=OrientConfig(up="-y")))[2] == ()

@@ -59,7 +59,7 @@ def orient(
     rotation = _manhattan_axes(triad, choice.direction)
     if yaw_rad is not None:
         rotation = _turned_to(choice.direction, yaw_rad)
-    return Frame(rotation, origin_m), _notes(choice, config)
+    return Frame(rotation, origin_m), _notes(choice, config, single_view)
 
 
 def _not_a_room(support: float) -> str:
@@ -91,8 +91,18 @@ def _reference(up: Float[np.ndarray, " 3"]) -> Float[np.ndarray, " 3"]:
     return named_direction("x") if abs(up[0]) < 0.7 else named_direction("y")
 
 
-def _notes(choice: UpChoice, config: OrientConfig) -> tuple[Note, ...]:
-    if config.up != "auto" or choice.margin >= config.min_margin:
+def _notes(choice: UpChoice, config: OrientConfig, single_view: bool) -> tuple[Note, ...]:
+    if config.up != "auto":
+        return ()
+    if single_view:
+        return (
+            Note(
+                "UP_UNCERTAIN",
+                "The scan is one picture: up was taken from the way depth cameras are held, whose own y axis "
+                "points down. Give --up if the camera was turned.",
+            ),
+        )
+    if choice.margin >= config.min_margin:
         return ()
     other = ", ".join(f"{c:+.2f}" for c in choice.runner_up)
     return (
