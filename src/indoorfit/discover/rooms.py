@@ -136,7 +136,7 @@ def build_shape(
         found.append((floor, ceiling))
     shape = _stacked(rooms, grid, found)
     planes = [
-        _place(plane, exposure, surfaces, _reach_m(plane, shape))
+        _place(plane, exposure, surfaces)
         for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
     ]
     notes = [
@@ -168,22 +168,13 @@ def _stacked(
     return with_levels(shape, list(finer[0]), list(finer[1]), masks, levels)
 
 
-_REACH_M = 0.10
-"""Surfels of a plane lie within this distance of its line (the thesis' 10 cm, 3.2.4)."""
-
-
-def _reach_m(plane: Plane, shape: Shape) -> float:
-    """How far a plane may look for its surfels: half-way to the next one, the other side of a thin wall."""
-    apart_m = [abs(plane.offset_m - other.offset_m) for other in shape.planes if other.axis == plane.axis]
-    return min(_REACH_M, 0.5 * min((distance for distance in apart_m if distance > 0.0), default=np.inf))
-
-
-def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces, reach_m: float) -> Plane:
+def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
     """Move a plane to the median of the surfels on it; without any it is inferred and stays."""
     if plane.axis == 2:
         level_m = surfaces.floor_m if plane.outward < 0 else surfaces.ceiling_m
+        reach_m = 0.10
     else:
-        level_m = surfaces.walls_m[plane.axis]
+        level_m, reach_m = surfaces.walls_m[plane.axis], 0.10
     near = np.abs(level_m[:, plane.axis] - plane.offset_m) < reach_m
     near[near] = exposure.contains(level_m[near])
     share = near.sum() * (surfaces.pixel_m / 2.0) ** 2 / max(exposure.area_m2, 1e-9)
