@@ -166,8 +166,8 @@ def _claim(
     sigma_m = MAD_TO_STD * float(np.median(np.abs(bulk - np.median(bulk))))
     reach_m = float(np.clip(config.reach_sigmas * sigma_m, config.reach_m, config.max_reach_m))
     # The other side of a partition is another wall: what lies nearer to it is not claimed.
-    low_m = max((0.5 * (r + offset_m) for r in rivals_m if r < offset_m - _SAME_WALL_M), default=-np.inf)
-    high_m = min((0.5 * (r + offset_m) for r in rivals_m if r > offset_m + _SAME_WALL_M), default=np.inf)
+    low_m = max((0.5 * (r + offset_m) for r in rivals_m if r < offset_m - SAME_WALL_M), default=-np.inf)
+    high_m = min((0.5 * (r + offset_m) for r in rivals_m if r > offset_m + SAME_WALL_M), default=np.inf)
     across_m = places_m[:, exposure.axis]
     keep = inside & (np.abs(residuals_m) < reach_m) & (across_m > low_m) & (across_m < high_m)
     return near[keep], places_m[keep]
@@ -192,7 +192,7 @@ def _usable_depth(
 _MANY = 50
 """Points that give a spread to 15 %."""
 
-_SAME_WALL_M = 0.06
+SAME_WALL_M = 0.06
 """Parallel planes that are nearer are one wall seen in two places, as for the candidates of discovery."""
 
 
