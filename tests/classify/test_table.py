@@ -44,6 +44,13 @@ def test_a_table_in_a_room_without_ceiling_is_neither_floor_nor_ceiling():
     assert classify(segments_of(without), ClassifyConfig()) == (*NAMES[:5], None)
 
 
+@pytest.mark.parametrize("hidden_m", [0.0, 1.3, 1.8])
+def test_a_ceiling_stays_one_where_furniture_hides_the_lower_half_of_the_walls(hidden_m):
+    middle_m = -1.3 + 0.5 * (hidden_m + 2.7)
+    walls = [(normal, (x, y, middle_m), area) for normal, (x, y, _), area in ROOM[:4]]
+    assert classify(segments_of([*walls, *ROOM[4:]]), ClassifyConfig()) == NAMES
+
+
 @given(order=st.permutations(range(6)))
 def test_order_of_segments_does_not_matter(order):
     found = classify(segments_of([ROOM[k] for k in order]), ClassifyConfig())

@@ -23,6 +23,10 @@ class ClassifyConfig:
     """Ceiling segments lie above this share of the height, so that dropped ceilings stay."""
 
 
+_BROAD = 0.5
+"""Share of the largest level segment's area from which on another above the walls' middle is a ceiling: it is
+as large as the floor, tables and cupboards cover less than half of one."""
+
 _CLASSES: tuple[FaceClass, ...] = ("left", "right", "back", "front", "floor", "ceiling")
 
 
@@ -64,7 +68,8 @@ def _height_range(
 ) -> tuple[float, float]:
     """Lowest and highest level of note: the outermost segments with a tenth of the largest one's area.
 
-    Where no ceiling was seen, the walls tell the height: their middle lies half-way up.
+    Where no ceiling was seen, the walls tell the height: their middle lies half-way up. Not where one was:
+    what stands before the walls hides their lower half, and lifts the middle of what is seen of them.
     """
     if not level.any():
         return 0.0, 0.0
@@ -72,5 +77,7 @@ def _height_range(
     low_m, high_m = float(notable.min()), float(notable.max())
     if upright.any():
         middle_m = float(np.average(heights_m[upright], weights=areas_m2[upright]))
-        high_m = max(high_m, 2.0 * middle_m - low_m)
+        broad = level & (areas_m2 >= _BROAD * areas_m2[level].max())
+        if not np.any(heights_m[broad] > middle_m):
+            high_m = max(high_m, 2.0 * middle_m - low_m)
     return low_m, high_m
