@@ -118,6 +118,18 @@ def test_what_is_no_door_is_not_called_one(hole, between):
     assert doors_of(shape, wall_points(shape, hole, between)) == ()
 
 
+@pytest.mark.parametrize("at_m", [-10.0, -1.45, 10.0], ids=["before", "at the origin", "behind"])
+def test_where_the_origin_lies_does_not_matter(at_m):
+    """Of the floor in a door of 1.1 m three cells of 10 cm are in view, just enough."""
+    shape = two_rooms(0.15)
+    points_m = wall_points(shape, (1.0, 2.1, 0.0, 2.05), ("floor",))
+    between = (points_m[:, 0] > 4.03) & (points_m[:, 0] < 4.12)
+    points_m = points_m[~between | ((points_m[:, 1] > 1.36) & (points_m[:, 1] < 1.64))]
+    along_m = np.array([at_m * (plane.axis == 1) for plane in shape.planes])
+    doors = doors_of(shape.with_offsets(shape.offsets_m + along_m), points_m + np.array([0.0, at_m, 0.0]))
+    assert [door.evidence for door in doors] == [("holes", "floor")]
+
+
 def test_a_door_up_to_the_ceiling_has_no_height():
     shape = two_rooms(0.15)
     (door,) = doors_of(shape, wall_points(shape, (1.0, 1.9, 0.0, 2.6), ("floor", "reveal")))

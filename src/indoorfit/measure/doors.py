@@ -155,11 +155,11 @@ def _evidence(
     found: list[DoorEvidence] = []
     # Jambs have feet, too: only what lies clear of them is floor.
     at_edge = np.min(np.abs(points_m[:, 1, None] - np.array(opening)), axis=1, initial=np.inf) < cell_m
-    columns = np.unique((points_m[(np.abs(above_m) < _FLOOR_M) & ~at_edge, 1] / cell_m).astype(int))
+    columns = np.unique(np.floor(points_m[(np.abs(above_m) < _FLOOR_M) & ~at_edge, 1] / cell_m))
     if len(columns) >= _SHARE * max((opening[1] - opening[0]) / cell_m - 2.0, 1.0):
         found.append("floor")
     jamb = (above_m > _BAND_M[0]) & (at_edge | (above_m > _BAND_M[1]))
-    if len(np.unique((points_m[jamb][:, 1:] / cell_m).astype(int), axis=0)) >= _MIN_REVEAL:
+    if len(np.unique(np.floor(points_m[jamb][:, 1:] / cell_m), axis=0)) >= _MIN_REVEAL:
         found.append("reveal")
     return tuple(found)
 
