@@ -194,7 +194,8 @@ def _completed(pose: Predictive, wall: Predictive) -> Predictive:
     means, covariances = pose.means.copy(), pose.covariances.copy()
     variances = np.einsum("k,kpp->p", wall.weights, wall.covariances)
     means[:, missing] = (wall.weights @ wall.means)[missing]
-    covariances[:, missing, missing] += variances[missing]
+    # In place of what is there: the wall field's variance holds the bias through the edges already.
+    covariances[:, missing, missing] = variances[missing]
     return replace(pose, means=means, covariances=covariances, seen=np.ones_like(pose.seen))
 
 
