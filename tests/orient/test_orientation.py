@@ -9,6 +9,7 @@ from indoorfit.config import RunConfig
 from indoorfit.errors import InputError
 from indoorfit.model import Scan
 from indoorfit.orient import OrientConfig
+from indoorfit.orient.up import choose_up
 from synthetic import is_rotation, moved, oriented, virtual
 
 
@@ -50,6 +51,16 @@ def test_street_and_house_opposite_do_not_hide_which_way_is_up():
     made = SUITES["laser"].make(617)
     frame, _, _ = oriented(Scan(np.ascontiguousarray(made.scan.points_m[::4])))
     assert axis_error_deg(frame, made.frame)[0] < 0.1
+
+
+def test_an_exact_floor_with_a_stub_of_wall_has_an_up_direction():
+    """All but a few heights are one number: the storey has no height, of which no logarithm may be taken."""
+    floor = np.array([(x, y, 0.0) for x in np.arange(0.0, 5.0, 0.05) for y in np.arange(0.0, 4.0, 0.05)])
+    wall = np.array([(0.0, y, 0.05) for y in np.arange(0.0, 0.5, 0.05)])
+    normals = np.repeat([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]], [len(floor), len(wall)], axis=0)
+    choice = choose_up(np.eye(3), np.concatenate([floor, wall]), normals, "auto", False)
+    assert choice.direction @ [1.0, 0.0, 0.0] == 0.0
+    assert np.isfinite(choice.margin)
 
 
 def in_file_axes(up: str, **settings):

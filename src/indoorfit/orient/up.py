@@ -21,7 +21,9 @@ _HEIGHT_SPREAD = 0.3
 _MIN_HEIGHT_M = 1.8
 """Two layers nearer than this are a floor and a table, or a ceiling and a beam."""
 _LAYER_M = 0.1
+"""Height of a bin: holds a surface with its noise and tilt, some centimetres, but no table and floor."""
 _MAX_BINS = 10_000
+"""A kilometre of height in such bins."""
 _MAX_LAYERS = 4
 """Floor, ceiling, a step in one of them, and the ground outside."""
 
@@ -115,16 +117,16 @@ def _upright_score(
     pairs = [(low_m, high_m), *((a, b) for a, b in combinations(layers_m, 2) if b - a > _MIN_HEIGHT_M)]
     scores = []
     for low_m, high_m in pairs:
-        reach_m = 0.15 * (high_m - low_m)
-        likely = max(-3.0, -0.5 * (np.log((high_m - low_m) / _USUAL_HEIGHT_M) / _HEIGHT_SPREAD) ** 2)
+        # Of a floor and little else all heights are one.
+        height_m = max(high_m - low_m, 1e-9)
+        reach_m = 0.15 * height_m
+        likely = max(-3.0, -0.5 * (np.log(height_m / _USUAL_HEIGHT_M) / _HEIGHT_SPREAD) ** 2)
         bottom = np.unique(ground[flat & (np.abs(heights_m - low_m) < reach_m)])
         top = np.unique(ground[flat & (np.abs(heights_m - high_m) < reach_m)])
         between = (heights_m > low_m - reach_m) & (heights_m < high_m + reach_m)
         shared = len(np.intersect1d(bottom, top)) / max(1, len(np.unique(ground[between])))
         upright = between & (cosines < np.sin(_CONE_RAD))
-        scores.append(
-            likely + 2.0 * shared + 2.0 * _spanning(ground[upright], heights_m[upright], high_m - low_m)
-        )
+        scores.append(likely + 2.0 * shared + 2.0 * _spanning(ground[upright], heights_m[upright], height_m))
     return max(scores)
 
 
