@@ -35,6 +35,18 @@ def test_a_range_beyond_all_cameras_and_a_scanners_noise_make_a_laser():
     assert choose_sensor(seen("tls", FAR_M)).sensor == "laser"
 
 
+def test_a_floor_seen_at_a_glance_beyond_its_reach_excludes_a_camera():
+    """Grazing rays tell no noise, but how far the sensor sees."""
+    near = seen("kinect_v1", NEAR_M)
+    assert near.frame_ids is not None
+    across, along = (a.ravel() for a in np.meshgrid(np.linspace(-0.6, 0.6, 40), np.linspace(6.0, 14.0, 60)))
+    floor = np.column_stack([along, across, np.full(len(along), -1.0)])
+    points = np.concatenate([near.points_m, *(floor + frame.position_m for frame in near.frames)])
+    ids = np.concatenate([near.frame_ids, *(np.full(len(floor), frame.id) for frame in near.frames)])
+    assert choose_sensor(near).sensor == "kinect_v1"
+    assert choose_sensor(Scan(points, frame_ids=ids, frames=near.frames)).sensor == "unknown"
+
+
 def test_noise_that_grows_with_the_square_at_a_range_of_its_own_makes_a_kinect():
     assert choose_sensor(seen("kinect_v1", NEAR_M)).sensor == "kinect_v1"
 

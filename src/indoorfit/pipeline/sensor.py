@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.spatial import KDTree
 
 from indoorfit.config import RunConfig
@@ -48,7 +48,7 @@ _RANGE_BINS_M = np.array([0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 14.0, 20
 _FACTOR = 2.0
 _MIN_BINS = 2
 """Growth with range shows from two ranges on."""
-_MAX_INCIDENCE_COS = 0.5
+_MIN_INCIDENCE_COS = 0.5
 """Beyond 60 degrees every sensor gets worse in a way of its own."""
 
 
@@ -151,9 +151,10 @@ def _agrees(sensor: Sensor, evidence: _Evidence) -> bool:
 def _evidence(scan: Scan) -> _Evidence | None:
     """Ranges, angles and noise of some frames, evenly chosen; None where there is too little."""
     assert scan.frame_ids is not None, "asked for before"
-    known = [frame for frame in scan.frames if np.any(scan.frame_ids == frame.id)]
+    seen = set(np.unique(scan.frame_ids).tolist())
+    known = [frame for frame in scan.frames if frame.id in seen]
     known = known[:: -(-len(known) // _MAX_FRAMES) or 1]
-    ranges, residuals, spreads = [], [], []
+    reaches, ranges, residuals, spreads = [], [], [], []
     for frame in known:
         rays_m = scan.points_m[scan.frame_ids == frame.id] - frame.position_m
         rays_m = rays_m[np.linalg.norm(rays_m, axis=1) > 1e-3]
@@ -164,9 +165,10 @@ def _evidence(scan: Scan) -> _Evidence | None:
         length = float(np.linalg.norm(middle))
         cosines = directions @ middle / max(length, 1e-9)
         spreads.append(float(np.quantile(np.arccos(np.clip(cosines, -1.0, 1.0)), 1.0 - _WRONG_SHARE)))
-        range_m, residual_m = _frame_noise(rays_m)
-        ranges.append(range_m)
-        residuals.append(residual_m)
+        range_m, residual_m, frontal = _frame_noise(rays_m)
+        reaches.append(range_m)
+        ranges.append(range_m[frontal])
+        residuals.append(residual_m[frontal])
     if not spreads:
         return None
     range_m, residual_m = np.concatenate(ranges), np.concatenate(residuals)
@@ -175,7 +177,7 @@ def _evidence(scan: Scan) -> _Evidence | None:
     if len(full) < _MIN_BINS:
         return None
     return _Evidence(
-        float(np.quantile(range_m, 1.0 - _WRONG_SHARE)),
+        float(np.quantile(np.concatenate(reaches), 1.0 - _WRONG_SHARE)),
         float(np.median(spreads)),
         np.array([float(np.median(range_m[bins == k])) for k in full]),
         np.array([1.4826 * float(np.median(np.abs(residual_m[bins == k]))) for k in full]),
@@ -184,8 +186,8 @@ def _evidence(scan: Scan) -> _Evidence | None:
 
 def _frame_noise(
     rays_m: Float[np.ndarray, "points 3"],
-) -> tuple[Float[np.ndarray, " some"], Float[np.ndarray, " some"]]:
-    """Range of some points of a frame, and how far along the ray each is from its neighbours' plane."""
+) -> tuple[Float[np.ndarray, " some"], Float[np.ndarray, " some"], Bool[np.ndarray, " some"]]:
+    """Range of some points, distance along the ray from the neighbours' plane, and whether it tells noise."""
     chosen = np.arange(len(rays_m))[:: -(-len(rays_m) // _MAX_POINTS) or 1]
     _, near = KDTree(rays_m).query(rays_m[chosen], _NEIGHBOURS)
     patches = rays_m[near]
@@ -197,5 +199,4 @@ def _frame_noise(
     across_m = np.einsum("ni,ni->n", normals, centred[:, 0])
     # The plane has taken three of the neighbours' degrees of freedom.
     residual_m = across_m / np.maximum(incidence, 1e-6) * np.sqrt(_NEIGHBOURS / (_NEIGHBOURS - 3.0))
-    frontal = incidence > _MAX_INCIDENCE_COS
-    return range_m[frontal], residual_m[frontal]
+    return range_m, residual_m, incidence > _MIN_INCIDENCE_COS
