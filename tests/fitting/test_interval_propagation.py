@@ -14,8 +14,7 @@ from indoorfit.fitting import (
     fit_joint,
     type_b_of,
 )
-from indoorfit.fitting.belief import _completed, edge_exchange_covariance
-from indoorfit.fitting.uncertainty import Predictive
+from indoorfit.fitting.belief import edge_exchange_covariance
 from synthetic import virtual
 
 PIXEL_M = 0.15
@@ -165,16 +164,3 @@ def test_noise_along_the_line_of_sight_counts_for_both_faces_of_a_length_and_not
             step = np.zeros(len(axes))
             step[pair[0]], step[pair[1]] = -1.0, 1.0
             assert step @ covariance_m2 @ step == pytest.approx(2.0 / 3.0 * mean_m**2, rel=1e-9)
-
-
-def test_a_plane_that_no_frame_saw_is_as_sure_as_the_cloud_without_frames_makes_it():
-    """What both noise models add, such as the bias through the edges, counts once."""
-    both, of_walls = np.full((1, 2, 2), 4e-8), np.diag([1e-6, 9e-6])[None]
-    means, contrasts = np.zeros((1, 2)), np.array([[-1.0, 1.0]])
-    wall = Predictive(np.ones(1), means, of_walls + both, np.ones(2, bool), contrasts, {})
-    of_frames = np.diag([1e-8, 0.0])[None]
-    pose = Predictive(np.ones(1), means, of_frames + both, np.array([True, False]), contrasts, {})
-    found = _completed(pose, wall)
-    # Rounding.
-    np.testing.assert_allclose(np.diag(found.covariances[0]), [5e-8, 9.04e-6], rtol=1e-12)
-    assert found.seen.all()

@@ -208,7 +208,7 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
     notes: tuple[Note, ...] = ()
     if torn.any():
         share = 1.0
-        notes = (_inconsistent_note(int(torn.sum()), len(torn), float(gap_m.max())),)
+        notes = (_inconsistent_note(int(torn.sum()), len(torn), float(gap_m[torn].max())),)
     theta = share * (wall.weights @ wall.means) + (1.0 - share) * (pose.weights @ pose.means)
     turn = Rotation.from_rotvec(theta[:3]).as_matrix()
     noise = {
