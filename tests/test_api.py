@@ -111,6 +111,16 @@ def test_a_model_cannot_be_changed(virtual_box):
             array[0] = 0.0
 
 
+def test_arrays_are_frozen_in_any_kind_of_mapping():
+    from types import MappingProxyType
+
+    from indoorfit.model import frozen
+
+    inner = np.zeros(3)
+    frozen(MappingProxyType({"a": [inner]}))
+    assert not inner.flags.writeable
+
+
 def test_input_is_not_changed(virtual_box):
     before = virtual_box.scan.points_m.copy()
     indoorfit.fit(virtual_box.scan)

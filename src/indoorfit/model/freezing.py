@@ -1,7 +1,7 @@
 """What a fit hands out cannot be changed by accident."""
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -21,8 +21,8 @@ def _freeze(value: Any) -> None:
     elif isinstance(value, tuple | list):
         for item in cast(Iterable[Any], value):
             _freeze(item)
-    elif isinstance(value, dict):
-        for item in cast(dict[Any, Any], value).values():
+    elif isinstance(value, Mapping):
+        for item in cast(Mapping[Any, Any], value).values():
             _freeze(item)
     elif dataclasses.is_dataclass(value):
         for field in dataclasses.fields(value):
