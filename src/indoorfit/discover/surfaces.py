@@ -43,8 +43,10 @@ _FLOOR_GAP_M = 0.3
 """A floor lies this near the lowest tenth of the walls, or it is a table: of a wall of 2.5 m the lowest
 tenth ends at 0.25 m, a table stands at 0.75 m."""
 _LEVEL_M = 0.15
-"""Level surfels nearer than this to the main level belong to it; half of this is a step."""
+"""Level surfels nearer than this to the main level tell how it scatters: three standard deviations of 5 cm,
+the worst registration that is foreseen. A step within it is the lesser part and moves no median deviation."""
 _MIN_SCATTERED = 50
+"""A robust standard deviation of so many is good to 16 %."""
 _MAD_TO_STD = 1.4826
 """Standard deviation of normal errors over their median absolute deviation."""
 _BESIDE_M = 0.3

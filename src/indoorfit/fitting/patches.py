@@ -103,8 +103,8 @@ def _steadied(
     Three of five points may agree to a hundredth of a millimetre by chance; taken at its word such a patch
     would outweigh the wall, and another one would after the slightest move: the fit would not come to rest.
 
-    Source: the posterior mean under a scaled inverse chi-square prior, as for variances of small samples in
-    Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3.
+    Source: one over the posterior mean of the precision under a scaled inverse chi-square prior, as for
+    variances of small samples in Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3.
     """
     if len(counts) == 0:
         return variances_m2

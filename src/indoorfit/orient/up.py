@@ -36,7 +36,8 @@ class UpChoice:
     """Scan axes, one of the triad's axes with its sign."""
     runner_up: Float[np.ndarray, " 3"]
     margin: float
-    """How much better than the runner-up, in the units of the scores below; under 0.5 is a guess."""
+    """How much better than the runner-up, in the units of the scores below; below
+    `OrientConfig.min_margin` it is a guess."""
 
 
 def named_direction(up: str) -> Float[np.ndarray, " 3"]:

@@ -92,7 +92,7 @@ def write_figures(
         directory: created; holds `NAME.FORMAT` for every figure, and ``figures.json``.
         formats: of every figure.
         overwrite: replace earlier figures in the same place.
-        pictures: further figures by name, e.g. ``reliability``.
+        pictures: further figures by their names in `CAPTIONS`, e.g. ``reliability``.
 
     Returns:
         the names of the figures, in order.

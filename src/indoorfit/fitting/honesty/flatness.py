@@ -17,7 +17,9 @@ from .evidence import U95, Evidence
 _SHAPES = 4
 """Extra columns per plane: slope and bow along either axis within it."""
 _NO_TILT_RAD = 1e-6
+"""A microradian moves the end of a wall of 10 m by 10 um: the field's own tilt is as good as none."""
 _KNOWN_LOG_STD = 0.01
+"""To a hundredth, so that the data have no say in it."""
 _MIN_CELLS = 8
 """Fewer cells cannot tell an offset, two slopes and two bows from noise."""
 

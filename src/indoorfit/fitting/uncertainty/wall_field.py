@@ -211,8 +211,9 @@ def _unrest(
 ) -> float:
     """By how much one wall's residuals exceed, in variance, what the room's noise model says; at least 1.
 
-    The posterior mean of the scale of a Student-t process (Shah, Wilson and Ghahramani 2014), with the wall's
-    offset taken out by generalised least squares.
+    One over the posterior mean of the precision under a scaled inverse chi-square prior about 1; the scale of
+    a Student-t process (Shah, Wilson and Ghahramani 2014) with their nu - 2 as `dof`. The wall's offset is
+    taken out by generalised least squares.
     """
     n = len(residuals_m)
     if n < _MIN_UNREST_CELLS:
