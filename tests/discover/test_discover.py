@@ -118,6 +118,15 @@ def test_two_rooms_side_by_side_are_two_with_a_wall_between(partition_m):
         np.testing.assert_allclose(np.sort(high - low), (2.7, 4.0, 5.0), atol=LIMIT_M)
 
 
+def test_a_low_room_beside_a_high_one_is_a_room():
+    """Its ceiling is as low as the head of a door, which is no ceiling, but it is as wide as a room."""
+    high, low = virtual("box", 8, n_points=100_000), virtual("box", 9, n_points=100_000)
+    of_low_m = low.scan.points_m * [0.6, 1.0, 2.05 / 2.7] + [4.15, 0.0, 0.0]
+    shape, _ = discovered(Scan(np.vstack([high.scan.points_m, of_low_m])))
+    heights_m = [np.ptp(shape.bounds_m()[room.id][:, 2]) for room in shape.rooms]
+    np.testing.assert_allclose(heights_m, (2.7, 2.05), atol=LIMIT_M)
+
+
 def test_same_scan_gives_the_same_shape():
     scan = virtual("X", 11, n_points=30_000, yaw_deg=10).scan
     assert discovered(scan)[0] == discovered(scan)[0]

@@ -4,6 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 from .candidates import Lines
 from .surfaces import Surfaces
@@ -16,7 +19,11 @@ _LINTEL_M = 0.15
 """What hangs lower than this is at another level than the ceiling: a lintel is higher, drift is less."""
 _DOOR_M = 2.1
 """A surface overhead that is lower is a door's or a window's head and no ceiling: clear heights of doors end
-here (DIN 18101: 2.11 m), those of rooms begin higher. A room whose own ceiling is lower is exempt."""
+here (DIN 18101: 2.11 m), those of rooms begin higher. A room whose own ceiling is lower is exempt, if that is
+the main level, or wide."""
+_WIDE_M = 0.8
+"""A low surface that is wider is the ceiling of a low room, a bath or a passage: walls, and so the heads of
+their openings, are up to half a metre deep, cupboards 0.6 m, and nobody walks through less than 0.8 m."""
 
 
 @dataclass(frozen=True)
@@ -44,20 +51,39 @@ def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
     """
     grid = (lines[0].offsets_m, lines[1].offsets_m)
     floor = cell_coverage(surfaces.floor_m, grid, surfaces)
-    main, low = _overhead(surfaces)
-    heads = cell_coverage(surfaces.ceiling_m[low & ~main], grid, surfaces)
-    surfaces = replace(surfaces, ceiling_m=surfaces.ceiling_m[main | ~low])
-    ceiling = _roofed(surfaces, main[main | ~low], grid, floor)
+    main, head = _overhead(surfaces)
+    heads = cell_coverage(surfaces.ceiling_m[head], grid, surfaces)
+    surfaces = replace(surfaces, ceiling_m=surfaces.ceiling_m[~head])
+    ceiling = _roofed(surfaces, main[~head], grid, floor)
     top_m = _tops(surfaces, grid)
     across_x, across_y = (_border_coverage(surfaces, lines, axis, ceiling, top_m) for axis in (0, 1))
     return Evidence(ceiling, floor, heads, top_m, (across_x[0], across_y[0]), (across_x[1], across_y[1]))
 
 
 def _overhead(surfaces: Surfaces) -> tuple[Bool[np.ndarray, " c"], Bool[np.ndarray, " c"]]:
-    """Which ceiling surfels are at the main level, and which are too low for a room."""
+    """Which ceiling surfels are at the main level, and which are heads of doors and windows."""
     heights_m = surfaces.ceiling_m[:, 2]
     main = np.abs(heights_m - surfaces.ceiling_height_m) < _LINTEL_M
-    return main, heights_m - surfaces.floor_height_m < _DOOR_M
+    head = ~main & (heights_m - surfaces.floor_height_m < _DOOR_M)
+    head[head] = _mean_widths_m(surfaces.ceiling_m[head, :2], surfaces.pixel_m) < _WIDE_M
+    return main, head
+
+
+def _mean_widths_m(xy_m: Float[np.ndarray, "points 2"], pixel_m: float) -> Float[np.ndarray, " points"]:
+    """For each point the area of the connected patch that it is in, over the longer extent of that patch."""
+    if len(xy_m) == 0:
+        return np.zeros(0)
+    pixels, own = np.unique(np.floor(xy_m / pixel_m), axis=0, return_inverse=True)
+    # Neighbours at a corner, with one pixel between them that shows no point by chance.
+    pairs = KDTree(pixels).query_pairs(2.0 * np.sqrt(2.0) + 0.01, output_type="ndarray")
+    joined = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=2 * (len(pixels),))
+    n_patches, patch_of_pixel = connected_components(joined, directed=False)
+    patch = patch_of_pixel[own.ravel()]
+    low_m, high_m = np.full((n_patches, 2), np.inf), np.full((n_patches, 2), -np.inf)
+    np.minimum.at(low_m, patch, xy_m)
+    np.maximum.at(high_m, patch, xy_m)
+    areas_m2 = np.bincount(patch) * (0.5 * pixel_m) ** 2
+    return (areas_m2 / np.maximum((high_m - low_m).max(axis=1), pixel_m))[patch]
 
 
 def _roofed(
