@@ -23,8 +23,8 @@ def describe_wall_noise(
     """Posterior of tau, l and eta (metres) and tilt (radians), what the prior decided, and a sentence.
 
     A field below the cells' own point noise has no length worth knowing: that is a clean scan, and not one
-    that the prior dominates. Neither is one whose walls are turned by less than they wander: no tilt can be
-    told from none there, and none matters.
+    that the prior dominates. The tilt never makes it one: where walls are turned by less than they wander,
+    no tilt can be told from none, and none matters.
     """
     medians = np.exp(hyper.mean)
     shares = hyper.std / prior_stds
