@@ -32,15 +32,24 @@ class Lines:
     """The line of every wall surfel of this axis, -1 for none."""
 
 
-def candidate_lines(surfaces: Surfaces, config: CandidateConfig, price: float) -> tuple[Lines, Lines]:
+def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> CandidateConfig:
+    """The settings for a scan in which one surface is seen in several places.
+
+    Args:
+        config: as set; `merge_m` grows where two positions must be farther apart to be worth two walls.
+        surfaces: sorted evidence, for how much it scatters.
+        price: of one parameter, nats.
+    """
+    return replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
+
+
+def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines, Lines]:
     """Candidates perpendicular to x, and to y.
 
     Args:
         surfaces: sorted evidence, Manhattan frame.
-        config: see `CandidateConfig`.
-        price: of one parameter, nats.
+        config: see `CandidateConfig`, and `widened`.
     """
-    config = replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
     area_m2 = (surfaces.pixel_m / 2.0) ** 2
     seen = [
         _cluster(surfaces.wall_segments[axis], surfaces.walls_m[axis][:, axis], area_m2, config)

@@ -63,5 +63,7 @@ def discover(
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     plan = find_plan(surfaces, seen_m2, config.candidates, config.labels, config.rooms, overrides)
     price = price_of_one(seen_m2, config.labels)
-    shape, notes = build_shape(plan.rooms, plan.grid, surfaces, config.labels, price, config.levels)
+    shape, notes = build_shape(
+        plan.rooms, plan.grid, surfaces, config.candidates, config.labels, price, config.levels
+    )
     return shape, (*world_notes(segments, config.world), *plan.notes, *notes)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from .candidates import CandidateConfig, candidate_lines, coverage_ends, distinct, end_reach
+from .candidates import candidate_lines, coverage_ends, distinct, end_reach, widened
 from .evidence import cell_coverage
 from .labelling import log_odds
 from .level_checks import Look, is_building
@@ -103,8 +103,8 @@ def _grid(
     none = here_m[:0]
     sides = replace(surfaces, walls_m=walls[0], wall_segments=walls[1], ceiling_m=none, floor_m=none)
     ends = replace(surfaces, ceiling_m=here_m, floor_m=main_m)
-    config = CandidateConfig()
-    candidates = candidate_lines(sides, config, task.price)
+    config = widened(task.candidates, surfaces, task.price)
+    candidates = candidate_lines(sides, config)
     lines = []
     for axis in (0, 1):
         known_m = task.grid[axis]

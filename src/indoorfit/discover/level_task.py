@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .candidates import CandidateConfig
 from .labelling import LabelConfig
 from .surfaces import Surfaces
 
@@ -51,6 +52,7 @@ class LevelTask:
     """The room's cells."""
     grid: Grid
     surfaces: Surfaces
+    candidates: CandidateConfig
     labels: LabelConfig
     price: float
     """Of one parameter (nats)."""

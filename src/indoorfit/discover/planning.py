@@ -8,7 +8,7 @@ from jaxtyping import Bool, Int
 from indoorfit.errors import InputError
 from indoorfit.model import Note
 
-from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends
+from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
 from .evidence import Evidence, gather_evidence
 from .labelling import Borders, LabelConfig, label_cells, price_of_one, price_of_wall
 from .level_task import Grid
@@ -74,7 +74,8 @@ def find_plan(
         InputError: no room.
         ConfigError: an override that cannot be meant.
     """
-    lines = candidate_lines(surfaces, candidates, price_of_one(seen_m2, labels))
+    candidates = widened(candidates, surfaces, price_of_one(seen_m2, labels))
+    lines = candidate_lines(surfaces, candidates)
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
     lines, partial = _two_each(lines, surfaces)
     price = price_of_wall(lines, labels)

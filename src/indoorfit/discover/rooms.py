@@ -9,6 +9,7 @@ from indoorfit.errors import InputError
 from indoorfit.geometry import Exposure, Level, exposures, shape_from_plan, with_levels
 from indoorfit.model import Note, Plane, Shape
 
+from .candidates import CandidateConfig
 from .evidence import Evidence
 from .labelling import LabelConfig
 from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
@@ -114,6 +115,7 @@ def build_shape(
     rooms: list[Bool[np.ndarray, "nx ny"]],
     grid: Grid,
     surfaces: Surfaces,
+    candidates: CandidateConfig,
     labels: LabelConfig,
     price: float,
     config: LevelConfig,
@@ -124,13 +126,14 @@ def build_shape(
         rooms: cells of each room.
         grid: lines of the cells.
         surfaces: sorted evidence.
+        candidates: where the edges of levels may be.
         labels: chances of seeing what is there.
         price: of one parameter, nats.
         config: what counts as a level.
     """
     found: list[tuple[RoomLevels, RoomLevels]] = []
     for mask in rooms:
-        tasks = (LevelTask(on, mask, grid, surfaces, labels, price) for on in KINDS)
+        tasks = (LevelTask(on, mask, grid, surfaces, candidates, labels, price) for on in KINDS)
         fallback_m = (surfaces.floor_height_m, surfaces.ceiling_height_m)
         floor, ceiling = (find_levels(task, z_m, config) for task, z_m in zip(tasks, fallback_m, strict=True))
         found.append((floor, ceiling))
