@@ -165,8 +165,32 @@ def test_walls_that_are_turned_as_a_whole_are_believed_to_have_moved() -> None:
     assert 1.5e-3 < tilts[1] < 6e-3
     assert tilts[0] < 0.5e-3
     lengths = np.array([kind != "height" for kind in clean.kinds])
-    # The lever of one metre, for either wall: at least half of it.
-    assert np.all(answers[1].std[lengths] > 0.5 * np.sqrt(2.0) * 3e-3)
+    # The lever, for either wall: at least a third of it, as single walls may have drawn small turns.
+    assert np.all(answers[1].std[lengths] > 0.33 * np.sqrt(2.0) * CONFIG.lever_m * 3e-3)
+
+
+def test_only_the_lengths_of_a_wall_that_is_turned_much_more_than_the_others_widen() -> None:
+    clean = simulate_cell_room(5, REGIMES["p5"])
+    cells = clean.cells
+    plane = int(cells.plane[cells.axes == 0][0])
+    own = cells.plane == plane
+    places = np.delete(cells.centroids_m[own], cells.axes[own][0], axis=1)
+    turned = cells.residuals_m.copy()
+    turned[own] += (places - places.mean(axis=0)) @ np.array([0.02, 0.0])
+    before, after = (
+        wall_field_predictive(
+            replace(cells, residuals_m=residuals_m), clean.contrasts, CONFIG, np.random.default_rng(0)
+        )
+        for residuals_m in (cells.residuals_m, turned)
+    )
+    hit = clean.contrasts.matrix[:, 3 + plane] != 0.0
+    # The one turn that is large counts as one of the prior's degrees of freedom and the wall's two turns.
+    assert np.all(after.std[hit] > 0.9 * CONFIG.lever_m * 0.02 / np.sqrt(CONFIG.wall_dof + 2.0))
+    heights = np.array([kind == "height" for kind in clean.kinds])
+    others = ~hit & ~heights
+    assert after.std[hit].min() > 2.0 * after.std[others].max()
+    # One wall of six still moves what is usual in the room, by about two.
+    assert np.all(after.std[others] < 2.5 * before.std[others])
 
 
 def test_clean_scans_get_intervals_of_at_most_twice_the_point_noise() -> None:
@@ -175,7 +199,7 @@ def test_clean_scans_get_intervals_of_at_most_twice_the_point_noise() -> None:
         room = simulate_cell_room(seed, REGIMES["p0"])
         answer = wall_field_predictive(room.cells, room.contrasts, CONFIG, np.random.default_rng(seed))
         ratios.extend(answer.std / point_noise_floor(room.cells, room.contrasts).std)
-    assert np.median(ratios) < 2.0  # the requirement; measured 1.3
+    assert np.median(ratios) < 2.0  # the requirement; measured 1.7
 
 
 def test_plane_without_cells_leaves_its_dimensions_unmeasured(room) -> None:

@@ -138,8 +138,10 @@ def _effects(
 ) -> tuple[Float[np.ndarray, "faces 4"], Float[np.ndarray, "faces 4"]]:
     """Slopes and bows with their standard uncertainties, metres at the faces' ends; zero where not free."""
     # Screened anew, too: what a plane contradicts may be what a tilted plane explains.
-    # Slopes are free here: a field that has them, too, could be any part of them.
-    straight = replace(config, tilt_median_rad=_NO_TILT_RAD, tilt_log_std=_KNOWN_LOG_STD)
+    # Slopes are free here: a field that has them, too, in the room or on one wall, could be any part of them.
+    straight = replace(
+        config, tilt_median_rad=_NO_TILT_RAD, tilt_log_std=_KNOWN_LOG_STD, wall_dof=float("inf")
+    )
     fit = fit_wall_field(cells, straight)
     _, steps, covariances = log_likelihoods(fit.field, fit.mode.point[None], fit.inflation_m2)
     values, variances = np.zeros(cells.n_params), np.full(cells.n_params, np.inf)

@@ -37,9 +37,11 @@ class Block:
     target_m: Float[np.ndarray, " rows"]
     distance_m: Float[np.ndarray, "rows rows"]
     lever_m2: Float[np.ndarray, "rows rows"]
-    """Products of the places on the plane, counted from the middle of the cells."""
+    """Products of the places on the plane, counted from the middle of the cells, times `turn`."""
     variance_m2: Float[np.ndarray, " rows"]
     """s_j^2, what the points alone leave."""
+    turn: float = 1.0
+    """This plane's variance of the tilt over what is usual in the room."""
 
 
 @dataclass(frozen=True)

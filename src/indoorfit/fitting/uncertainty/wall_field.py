@@ -16,6 +16,7 @@ from .field import (
     LOG_LENGTH,
     LOG_TAU,
     LOG_TILT,
+    Block,
     Field,
     FieldFit,
     block_covariance,
@@ -60,23 +61,26 @@ class WallFieldConfig:
     tilt_median_rad: float = 1.7e-3
     """Prior median of how far a face as a whole is turned: registration turns by about 1/3 rad per metre of
     its position error, here that of `tau_median_m`."""
-    tilt_log_std: float = 1.5
-    """As wide as for tau."""
+    tilt_log_std: float = 2.0
+    """A factor of 7 either way at one sigma: wider than for tau, since a scan without drift turns its walls a
+    hundred times less than a hand-held one, and the lever would carry what the prior insists on."""
     tilt_max_rad: float = 0.05
     """Hard bound: 3 degrees, where the axes of the room would be in doubt."""
-    lever_m: float = 1.0
+    lever_m: float = 2.5
     """What turned a wall turned about a place off the wall, which moved it as well: by the tilt over this
     lever, along its normal. A stated prior, for the movement itself leaves no residual; none for floor and
-    ceiling. The place is the sensor or the middle of the map, some metres off, but the part of a tilt
-    that is the wall's own, as plaster that is out of plumb, moves nothing: hence a length below that."""
-    face_share: float = 0.3
+    ceiling. Registration holds what is in view, which a sensor in a room has two to three metres away; the
+    same lever relates turns to shifts in the prior of the frames' slips."""
+    face_share: float = 0.2
     """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
-    shows. Floor and ceiling are in view all along. 0 is right where every wall was passed twice or more."""
+    shows. Floor and ceiling are in view all along. What its turn
+    tells of it is counted by `lever_m`. 0 is right where every wall was passed twice or more."""
     wall_dof: float = 4.0
-    """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1).
-    One that hangs on a slipped block of frames does not: its own residuals then widen what is said of it,
-    and never narrow it, since a wall seen from one place is smooth because nothing contradicts it."""
+    """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1);
+    infinite takes them as alike. One that hangs on a slipped block of frames does not: its own residuals then
+    widen what is said of it, and never narrow it, since a wall seen from one place is smooth because nothing
+    contradicts it. So do its turns against the room, which are what shows most of such a block."""
     screen_sigmas: float = 4.5
     """Cells whose left-out residual exceeds this many robust sigmas count as contaminated. Scores have the
     tails of Student's t with 4 degrees of freedom, since walls differ in how badly they are registered:
@@ -154,8 +158,10 @@ def fit_wall_field(cells: Cells, config: WallFieldConfig) -> WallFieldFit:
     point, converged = find_mode(objective, start, bounds)
     for _ in range(config.screen_sweeps):
         screened = _screen(evaluate(field, point, inflation), inflation, config.screen_sigmas)
-        same = bool(np.array_equal(screened > 0, inflation > 0))
-        inflation = screened
+        blocks = tuple(_turned(block, point, screened, config.wall_dof) for block in field.blocks)
+        moved = max(abs(np.log(b.turn / a.turn)) for a, b in zip(field.blocks, blocks, strict=True))
+        same = bool(np.array_equal(screened > 0, inflation > 0)) and moved < _STILL_TURN
+        inflation, field = screened, replace(field, blocks=blocks)
         if same:
             break
         point, converged = find_mode(objective, point, bounds)
@@ -174,6 +180,40 @@ def _screen(
     return np.where(score > limit, fit.left_out_m**2, 0.0)
 
 
+def _turned(
+    block: Block, phi: Float[np.ndarray, " 4"], inflation_m2: Float[np.ndarray, " cells"], dof: float
+) -> Block:
+    """The block with its wall's own variance of the tilt, as a multiple of what is usual in the room.
+
+    A wall that hangs on one slipped block of frames is turned by more than all others, and that is two
+    numbers of its twenty residuals: hardly any unrest. Turns have Student's t with `dof` degrees of freedom;
+    the scale is the fixed point of expectation and maximisation (Lange, Little and Taylor 1989), the wall's
+    offset taken out.
+    """
+    if len(block.rows) < _MIN_UNREST_CELLS or np.isinf(dof):
+        return block
+    usual_m2 = np.exp(2 * phi[LOG_TILT]) * block.lever_m2 / block.turn
+    flat_m2 = block_covariance(block, phi, inflation_m2) - block.turn * usual_m2
+    scale = block.turn
+    for _ in range(_TURN_STEPS):
+        inverse = np.linalg.inv(flat_m2 + scale * usual_m2)
+        once = inverse.sum(axis=1)
+        free = inverse - np.outer(once, once) / once.sum()
+        pull = free @ block.target_m
+        squares = scale**2 * float(pull @ usual_m2 @ pull)
+        left = scale * (_TURNS - scale * float(np.sum(free * usual_m2)))
+        scale = (dof + squares + left) / (dof + _TURNS)
+    return replace(block, lever_m2=block.lever_m2 * (scale / block.turn), turn=scale)
+
+
+_TURNS = 2
+"""A wall can turn about two axes; about its own normal nothing shows."""
+_TURN_STEPS = 12
+"""Of the fixed point: a wall turned ten times as far as usual is then right to some per cent."""
+_STILL_TURN = 0.2
+"""Relative change of a tilt's variance that ends the sweeps: a tenth of an uncertainty."""
+
+
 def sandwich_predictive(
     cells: Cells, contrasts: Contrasts, fit: WallFieldFit, hyper: HyperDraws, config: WallFieldConfig
 ) -> Predictive:
@@ -187,7 +227,7 @@ def sandwich_predictive(
             covariance = block_covariance(block, phi, fit.inflation_m2)
             unrest[k, plane] = _unrest(block.target_m, covariance, config.wall_dof)
             covariances[k] += unrest[k, plane] * (part @ covariance @ part.T)
-    _add_face_offsets(covariances, cells, hyper, config, unrest)
+    _add_face_offsets(covariances, cells, fit.field, hyper, config, unrest)
     theta = contrasts.estimate + linear @ cells.residuals_m
     return Predictive(
         weights=hyper.weights,
@@ -216,7 +256,7 @@ def _unrest(
     taken out by generalised least squares.
     """
     n = len(residuals_m)
-    if n < _MIN_UNREST_CELLS:
+    if n < _MIN_UNREST_CELLS or np.isinf(dof):
         return 1.0
     both = np.column_stack([residuals_m, np.ones(n)])
     gram = both.T @ np.linalg.solve(covariance_m2, both)
@@ -227,6 +267,7 @@ def _unrest(
 def _add_face_offsets(
     covariances: Float[np.ndarray, "draws params params"],
     cells: Cells,
+    field: Field,
     hyper: HyperDraws,
     config: WallFieldConfig,
     unrest: Float[np.ndarray, "draws planes"] | None = None,
@@ -236,11 +277,14 @@ def _add_face_offsets(
     An offset common to a face is what its parameter is: it drops out of the restricted likelihood and of
     every residual, and passes unchanged into the parameter's variance.
     """
-    walls = np.unique(cells.plane[cells.axes != 2])
+    upright = [block for block in field.blocks if cells.axes[block.rows[0]] != 2]
+    walls = np.array([cells.plane[block.rows[0]] for block in upright], int)
+    turns = np.array([block.turn for block in upright], float)
     columns = ROTATIONS + walls
-    variance = config.face_share * np.exp(2 * hyper.points[:, LOG_TAU])
-    variance += config.lever_m**2 * np.exp(2 * hyper.points[:, LOG_TILT])
-    covariances[:, columns, columns] += variance[:, None] * (1.0 if unrest is None else unrest[:, walls])
+    tau_m2, tilt_2 = (np.exp(2 * hyper.points[:, [column]]) for column in (LOG_TAU, LOG_TILT))
+    common = config.face_share * tau_m2 * (1.0 if unrest is None else unrest[:, walls])
+    moved = config.lever_m**2 * tilt_2 * turns
+    covariances[:, columns, columns] += common + moved
 
 
 def gls_predictive(
@@ -257,7 +301,7 @@ def gls_predictive(
     covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
     where = np.flatnonzero(cells.seen)
     covariances[:, where[:, None], where] = step_covariances
-    _add_face_offsets(covariances, cells, hyper, config)
+    _add_face_offsets(covariances, cells, fit.field, hyper, config)
     stds = prior_moments(config)[1]
     noise = describe_wall_noise(hyper, stds, fit.inflation_m2, cells.variances_m2, fit.mode.converged)
     return Predictive(hyper.weights, means, covariances, cells.seen, contrasts.matrix, noise)
