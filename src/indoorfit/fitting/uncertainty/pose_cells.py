@@ -32,6 +32,8 @@ class PoseLayout:
     patches: tuple[Int[np.ndarray, " _"], ...]
     """For every plane the patches on it."""
     patch_distances_m: tuple[Float[np.ndarray, "_ _"], ...]
+    patch_leans: tuple[Float[np.ndarray, "_ _"], ...]
+    """For every plane what walls that lean and bow share between two patches, see `_leans`."""
     seen: Bool[np.ndarray, " params"]
     precision: Float[np.ndarray, " seen"]
 
@@ -72,10 +74,25 @@ def build_layout(cells: Cells, patch_m: float) -> PoseLayout:
     centres /= weight[:, None]
     patches = tuple(np.flatnonzero(keys[:, 0] == plane) for plane in np.unique(keys[:, 0]))
     distances = tuple(np.linalg.norm(centres[m][:, None] - centres[m][None], axis=2) for m in patches)
+    leans = tuple(_leans(centres[m]) for m in patches)
     seen = cells.seen
     return PoseLayout(
-        cells, frame, frame_ids, pivots, patch, patches, distances, seen, ridge(cells.n_params)[seen]
+        cells, frame, frame_ids, pivots, patch, patches, distances, leans, seen, ridge(cells.n_params)[seen]
     )
+
+
+def _leans(centres_m: Float[np.ndarray, "members 3"]) -> Float[np.ndarray, "members members"]:
+    """Covariance of the largest shapes of one wall: out of plumb, skew, bowed; 1 at the ends of the wall."""
+    places = centres_m - 0.5 * (centres_m.max(axis=0) + centres_m.min(axis=0))
+    places /= max(float(np.abs(places).max()), _SHORTEST_LEAN_M)
+    tilt = places @ places.T
+    square = np.sum(places**2, axis=1)
+    square -= square.mean()
+    return tilt + np.outer(square, square)
+
+
+_SHORTEST_LEAN_M = 1.0
+"""Half of a wall's height: a narrow wall leans over its height."""
 
 
 def linearise(

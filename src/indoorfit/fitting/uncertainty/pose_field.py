@@ -23,7 +23,7 @@ from .laplace import (
 from .location import MAD_TO_STD, student_t_precisions, weighted_map
 from .pose_cells import SLIP, PoseLayout, PoseLinear, build_layout, linearise
 from .pose_noise import describe_pose_noise
-from .pose_system import PoseState, Robustness, evaluate_pose, slip_covariances
+from .pose_system import WALL_SCALES, PoseState, Robustness, evaluate_pose, slip_covariances
 from .predictive import Predictive
 
 
@@ -38,16 +38,21 @@ class PoseFieldConfig:
     time_median_frames: float = 20.0
     """Prior median of the drift's memory: a field of view takes ten to thirty frames to cross."""
     wall_median_m: float = 3e-3
-    """Prior median of a wall's own shape and of errors that all frames share (lens, incidence)."""
+    """Prior median of a wall's own unevenness from patch to patch, and of errors that all frames share (lens,
+    incidence)."""
+    lean_median_m: float = 3e-3
+    """Prior median of how far walls are out of plumb, skew or bowed at their ends; DIN 18202 lets a wall of a
+    room's height be off by three times that. On its own, since a wall that leans may be as smooth as glass:
+    a field with one scale for both takes its size from the patches, and gives the lean to the frames."""
     eta_median_m: float = 2e-3
     """Prior median of what is left per cell."""
     scale_log_std: float = 1.5
-    """Of the five scales above: a factor of 4.5 either way."""
+    """Of the six scales above: a factor of 4.5 either way."""
     rho_logit_std: float = 1.5
     """Drift against jitter, 9 to 91 % at one sigma and a half."""
     kappa: float = 1.0
     """Variance of an offset common to a whole face over that of its shape (lens, incidence, plaster). Not in
-    the data: a prior. It costs nothing where walls are flat, since it scales with the wall's own field."""
+    the data: a prior. It costs nothing where walls are flat, since it scales with the walls' own shapes."""
     patch_m: float = 1.0
     """Edge of the wall patches."""
     student_dof: float = 4.0
@@ -99,13 +104,17 @@ class PoseFieldFit:
     mode: HyperMode
 
 
+_REFUSED = -1e6
+"""Log posterior that no scan reaches: one of 10 000 cells has some 100 000 at most."""
+
 # Cells are not believed to better than 0.1 mm each: with less, slips of centimetres make the normal equations
-# of a noise-free scan so stiff that rounding decides them.
-_LOW = np.array([np.log(1e-6), np.log(1e-7), -5.0, np.log(0.5), np.log(1e-6), np.log(1e-4)])
-_HIGH = np.array([np.log(0.4), np.log(0.2), 5.0, np.log(1e3), np.log(0.37), np.log(0.37)])
+# of a noise-free scan so stiff that rounding decides them. For the same reason patches are not taken as
+# smooth to better than 0.02 mm: a wall that leans by centimetres leaves nothing else of their covariance.
+_LOW = np.array([np.log(1e-6), np.log(1e-7), -5.0, np.log(0.5), np.log(2e-5), np.log(1e-4), np.log(1e-6)])
+_HIGH = np.array([np.log(0.4), np.log(0.2), 5.0, np.log(1e3), np.log(0.37), np.log(0.37), np.log(0.1)])
 
 
-def pose_prior(config: PoseFieldConfig) -> tuple[Float[np.ndarray, " 6"], Float[np.ndarray, " 6"]]:
+def pose_prior(config: PoseFieldConfig) -> tuple[Float[np.ndarray, " 7"], Float[np.ndarray, " 7"]]:
     """Mean and standard deviation of phi, see `pose_system.evaluate_pose`."""
     medians = [
         config.shift_median_m,
@@ -114,8 +123,9 @@ def pose_prior(config: PoseFieldConfig) -> tuple[Float[np.ndarray, " 6"], Float[
         config.time_median_frames,
         config.wall_median_m,
         config.eta_median_m,
+        config.lean_median_m,
     ]
-    stds = np.full(SLIP, config.scale_log_std)
+    stds = np.full(len(medians), config.scale_log_std)
     stds[2] = config.rho_logit_std
     stds[3] = 1.0  # the memory's order of magnitude is known better than a scale's
     return np.log(medians), stds
@@ -140,13 +150,13 @@ def pose_obstacle(cells: Cells, config: PoseFieldConfig) -> str | None:
 
 
 def pose_log_posterior(
-    parts: tuple[PoseLayout, PoseLinear, Robustness], config: PoseFieldConfig, phi: Float[np.ndarray, " 6"]
+    parts: tuple[PoseLayout, PoseLinear, Robustness], config: PoseFieldConfig, phi: Float[np.ndarray, " 7"]
 ) -> float:
     """Collapsed log posterior of phi inside its bounds."""
     return evaluate_pose(*parts, phi, config.kappa).log_likelihood + _log_prior(config, phi)
 
 
-def _log_prior(config: PoseFieldConfig, phi: Float[np.ndarray, " 6"]) -> float:
+def _log_prior(config: PoseFieldConfig, phi: Float[np.ndarray, " 7"]) -> float:
     means, stds = pose_prior(config)
     return -0.5 * float(np.sum(((phi - means) / stds) ** 2))
 
@@ -173,7 +183,7 @@ def fit_pose_field(cells: Cells, config: PoseFieldConfig) -> PoseFieldFit:
     parts = (layout, linear, robust)
     point, converged = find_mode(_differences(parts, config), point, bounds, 1e-6, 30)
 
-    def log_posterior(phi: Float[np.ndarray, " 6"]) -> float:
+    def log_posterior(phi: Float[np.ndarray, " 7"]) -> float:
         return pose_log_posterior(parts, config, np.clip(phi, _LOW, _HIGH))
 
     hessian = hessian_from_values(log_posterior, point)
@@ -181,13 +191,22 @@ def fit_pose_field(cells: Cells, config: PoseFieldConfig) -> PoseFieldFit:
 
 
 def _differences(parts: tuple[PoseLayout, PoseLinear, Robustness], config: PoseFieldConfig) -> Objective:
-    """The log posterior with its gradient by forward differences: seven evaluations of some milliseconds."""
+    """The log posterior with its gradient by forward differences: eight evaluations of some milliseconds."""
     width = 1e-4
 
-    def objective(phi: Float[np.ndarray, " 6"]) -> tuple[float, Float[np.ndarray, " 6"]]:
+    def objective(phi: Float[np.ndarray, " 7"]) -> tuple[float, Float[np.ndarray, " 7"]]:
         inside = np.clip(phi, _LOW, _HIGH - width)
-        value = pose_log_posterior(parts, config, inside)
-        moved = [pose_log_posterior(parts, config, inside + move) for move in width * np.eye(len(phi))]
+        try:
+            state = evaluate_pose(*parts, inside, config.kappa)
+            moved = []
+            for k, move in enumerate(width * np.eye(len(phi))):
+                slips = state.elimination if k in WALL_SCALES else None
+                there = evaluate_pose(*parts, inside + move, config.kappa, slips)
+                moved.append(there.log_likelihood + _log_prior(config, inside + move))
+        except np.linalg.LinAlgError:
+            # The search tries a corner of its box first, where rounding wins: step back.
+            return _REFUSED, np.zeros(len(phi))
+        value = state.log_likelihood + _log_prior(config, inside)
         return value, (np.array(moved) - value) / width
 
     return objective

@@ -9,11 +9,11 @@ from .laplace import HyperDraws
 from .pose_system import Robustness
 from .wall_noise import PRIOR_DOMINATED
 
-_NAMES = ("shift_m", "turn_rad", "drift_odds", "memory_frames", "wall_m", "eta_m")
+_NAMES = ("shift_m", "turn_rad", "drift_odds", "memory_frames", "wall_m", "eta_m", "lean_m")
 
 
 def describe_pose_noise(
-    hyper: HyperDraws, prior_stds: Float[np.ndarray, " 6"], robust: Robustness, converged: bool
+    hyper: HyperDraws, prior_stds: Float[np.ndarray, " 7"], robust: Robustness, converged: bool
 ) -> dict[str, Any]:
     """Posterior of the six scales, what the prior decided, and a sentence."""
     medians = np.exp(hyper.mean)

@@ -14,7 +14,9 @@ from scipy.linalg import get_lapack_funcs
 
 from .pose_cells import SLIP, PoseLayout, PoseLinear
 
-LOG_SHIFT, LOG_TURN, LOGIT_RHO, LOG_TIME, LOG_WALL, LOG_ETA = range(6)
+LOG_SHIFT, LOG_TURN, LOGIT_RHO, LOG_TIME, LOG_WALL, LOG_ETA, LOG_LEAN = range(7)
+WALL_SCALES = (LOG_WALL, LOG_LEAN)
+"""Of these the slips know nothing."""
 MATERN_LENGTH_M = 1.5
 """Range of the wall's own shape."""
 PATCH_NUGGET = 0.1
@@ -39,14 +41,15 @@ class Robustness:
 
 
 def patch_precisions(
-    layout: PoseLayout, log_wall: float, kappa: float, robust: Robustness
+    layout: PoseLayout, phi: Float[np.ndarray, " 7"], kappa: float, robust: Robustness
 ) -> tuple[tuple[Float[np.ndarray, "_ _"], ...], float]:
     """Inverse prior covariance of the patches, plane by plane, and the log determinant of the covariance."""
-    variance = np.exp(2 * log_wall)
+    variance, lean = np.exp(2 * phi[[LOG_WALL, LOG_LEAN]])
     inverses, log_det = [], 0.0
-    for members, distance in zip(layout.patches, layout.patch_distances_m, strict=True):
+    parts = zip(layout.patches, layout.patch_distances_m, layout.patch_leans, strict=True)
+    for members, distance, shape in parts:
         scaled = np.sqrt(3) * distance / MATERN_LENGTH_M
-        covariance = variance * ((1 + scaled) * np.exp(-scaled) + kappa)
+        covariance = variance * (1 + scaled) * np.exp(-scaled) + lean * shape + kappa * (variance + lean)
         covariance.flat[:: len(members) + 1] += variance * PATCH_NUGGET + robust.inflation_m2[members]
         inverses.append(np.linalg.inv(covariance))
         log_det += float(np.linalg.slogdet(covariance)[1])
@@ -92,20 +95,24 @@ def evaluate_pose(
     layout: PoseLayout,
     linear: PoseLinear,
     robust: Robustness,
-    phi: Float[np.ndarray, " 6"],
+    phi: Float[np.ndarray, " 7"],
     kappa: float,
+    slips: Elimination | None = None,
 ) -> PoseState:
     """Log restricted likelihood up to a constant, and the posterior given phi.
 
     Args:
         layout, linear: the model.
         robust: weights of cells and patches, held fixed.
-        phi: log sigma shift (m), log sigma turn (rad), logit rho, log T (frames), log wall (m), log eta (m).
-        kappa: variance of an offset common to a face, as a share of the wall field's.
+        phi: log sigma shift (m), log sigma turn (rad), logit rho, log T (frames), log wall (m), log eta (m),
+            log lean (m).
+        kappa: variance of an offset common to a face, as a share of the walls' own.
+        slips: of an evaluation whose phi differs in nothing but the walls (`WALL_SCALES`): most of the work.
     """
     variances = (layout.cells.variances_m2 + np.exp(2 * phi[LOG_ETA])) / robust.weights
-    slips = _eliminate_slips(layout, linear, variances, robust.slip_inflation, phi)
-    precisions, patch_log_det = patch_precisions(layout, float(phi[LOG_WALL]), kappa, robust)
+    if slips is None:
+        slips = _eliminate_slips(layout, linear, variances, robust.slip_inflation, phi)
+    precisions, patch_log_det = patch_precisions(layout, phi, kappa, robust)
     theta, size = len(layout.precision), len(slips.normal)
     system = slips.normal[:-1, :-1].copy()
     system.flat[: theta * size : size] += layout.precision
@@ -127,7 +134,7 @@ def _eliminate_slips(
     linear: PoseLinear,
     variances_m2: Float[np.ndarray, " cells"],
     slip_inflation: Float[np.ndarray, "frames 6"],
-    phi: Float[np.ndarray, " 6"],
+    phi: Float[np.ndarray, " 7"],
 ) -> Elimination:
     """White part frame by frame, then the chain."""
     frames = len(layout.frame_ids)
