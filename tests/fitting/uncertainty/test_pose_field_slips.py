@@ -37,9 +37,7 @@ def dense_posterior(layout, linear, robust, phi, kappa):
     theta = len(layout.precision)
     design, patches, target = dense[:, :theta], dense[:, theta:-1], dense[:, -1]
     prior_patches = np.zeros((layout.n_patches, layout.n_patches))
-    for members, inverse in zip(
-        layout.patches, patch_precisions(layout, float(phi[4]), kappa, robust)[0], strict=True
-    ):
+    for members, inverse in zip(layout.patches, patch_precisions(layout, phi, kappa, robust)[0], strict=True):
         prior_patches[np.ix_(members, members)] = np.linalg.inv(inverse)
     variances = (layout.cells.variances_m2 + np.exp(2 * phi[5])) / robust.weights
     v = np.diag(variances) + slip_columns @ prior_slips @ slip_columns.T + patches @ prior_patches @ patches.T
@@ -71,8 +69,8 @@ def test_banded_elimination_equals_dense_matrices() -> None:
     linear = linearise(layout, np.zeros(cells.n_params), np.zeros((frames, SLIP)))
     values = []
     for phi in (
-        np.array([np.log(0.02), np.log(0.006), 0.5, np.log(15.0), np.log(3e-3), np.log(2e-3)]),
-        np.array([np.log(0.005), np.log(0.002), -1.0, np.log(3.0), np.log(1e-3), np.log(5e-3)]),
+        np.array([np.log(0.02), np.log(0.006), 0.5, np.log(15.0), np.log(3e-3), np.log(2e-3), np.log(4e-3)]),
+        np.array([np.log(0.005), np.log(0.002), -1.0, np.log(3.0), np.log(1e-3), np.log(5e-3), np.log(1e-3)]),
     ):
         state = evaluate_pose(layout, linear, robust, phi, 0.5)
         value, step, covariance, slips, slip_covariance = dense_posterior(layout, linear, robust, phi, 0.5)
