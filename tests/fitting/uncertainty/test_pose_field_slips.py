@@ -14,7 +14,9 @@ from indoorfit.fitting.uncertainty import (
     wall_field_predictive,
 )
 from indoorfit.fitting.uncertainty.pose_cells import SLIP, build_layout, linearise
+from indoorfit.fitting.uncertainty.pose_field import pose_prior
 from indoorfit.fitting.uncertainty.pose_system import (
+    WALL_SCALES,
     Robustness,
     evaluate_pose,
     patch_precisions,
@@ -147,6 +149,46 @@ def test_sensor_centres_are_not_needed() -> None:
     )
     without, _ = pose_field_predictive(bare, room.contrasts, CONFIG, np.random.default_rng(0))
     assert np.all(np.abs(with_centres.mean - without.mean) < 3 * np.hypot(with_centres.std, without.std))
+
+
+def test_walls_that_lean_are_not_taken_for_slips() -> None:
+    room = simulate_cell_room(4, REGIMES["p5"])
+    cells = room.frame_cells
+    rng = np.random.default_rng(3)
+    leaning = cells.residuals_m.copy()
+    for plane in np.unique(cells.plane[cells.axes != 2]):
+        own = cells.plane == plane
+        places = np.delete(cells.centroids_m[own], cells.axes[own][0], axis=1)
+        places -= 0.5 * (places.max(axis=0) + places.min(axis=0))
+        leaning[own] += places / np.abs(places).max() @ (6e-3 * rng.standard_normal(2))
+    flat, leant = (
+        pose_field_predictive(
+            replace(cells, residuals_m=residuals_m), room.contrasts, CONFIG, np.random.default_rng(0)
+        )[0]
+        for residuals_m in (cells.residuals_m, leaning)
+    )
+    # 6 mm from a dozen slopes, to a factor of two; the slips keep their size, to a half.
+    assert 3e-3 < leant.noise["lean_m"]["median"] < 12e-3
+    assert flat.noise["lean_m"]["median"] < 2e-3
+    assert leant.noise["turn_rad"]["median"] < 1.5 * flat.noise["turn_rad"]["median"]
+    lengths = np.array([kind != "height" for kind in room.kinds])
+    assert np.all(leant.std[lengths] > flat.std[lengths])
+
+
+def test_wall_scales_alone_need_no_new_elimination_of_the_slips() -> None:
+    cells = simulate_cell_room(4, REGIMES["p5"]).frame_cells
+    layout = build_layout(cells, 1.0)
+    frames = len(layout.frame_ids)
+    robust = Robustness(np.ones(len(layout.frame)), np.zeros(layout.n_patches), np.zeros((frames, SLIP)))
+    linear = linearise(layout, np.zeros(cells.n_params), np.zeros((frames, SLIP)))
+    phi = pose_prior(CONFIG)[0]
+    here = evaluate_pose(layout, linear, robust, phi, 1.0)
+    for scale in WALL_SCALES:
+        moved = phi.copy()
+        moved[scale] += 0.3
+        anew = evaluate_pose(layout, linear, robust, moved, 1.0)
+        reused = evaluate_pose(layout, linear, robust, moved, 1.0, here.elimination)
+        assert reused.log_likelihood == anew.log_likelihood
 
 
 def test_obstacles_are_named() -> None:
