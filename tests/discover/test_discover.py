@@ -127,6 +127,15 @@ def test_a_low_room_beside_a_high_one_is_a_room():
     np.testing.assert_allclose(heights_m, (2.7, 2.05), atol=LIMIT_M)
 
 
+def test_a_floor_half_way_up_is_told():
+    low, high = virtual("box", 8, n_points=100_000), virtual("box", 9, n_points=100_000)
+    for rise_m, told in ((1.0, True), (0.0, False)):
+        beside_m = np.array([5.15, 0.0, rise_m])
+        points_m = np.vstack([low.scan.points_m, high.scan.points_m + beside_m])
+        _, notes = discovered(Scan(points_m))
+        assert ("SPLIT_LEVEL" in [note.code for note in notes]) == told
+
+
 def test_same_scan_gives_the_same_shape():
     scan = virtual("X", 11, n_points=30_000, yaw_deg=10).scan
     assert discovered(scan)[0] == discovered(scan)[0]

@@ -66,4 +66,4 @@ def discover(
     shape, notes = build_shape(
         plan.rooms, plan.grid, surfaces, config.candidates, config.labels, price, config.levels
     )
-    return shape, (*world_notes(segments, config.world), *plan.notes, *notes)
+    return shape, (*world_notes(segments, classes, config.world), *plan.notes, *notes)

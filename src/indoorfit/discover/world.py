@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from indoorfit.model import Note, Segments
+from indoorfit.model import FaceClass, Note, Segments
 
 
 @dataclass(frozen=True)
@@ -18,13 +18,18 @@ class WorldConfig:
     off_axis_deg: float = 8.0
     """Off by more than this is another direction: hand-built walls are off by one or two degrees, and
     slipped frames by a few."""
+    furniture_m2: float = 4.0
+    """A level surface between floor and ceiling that is larger is named: no table or bed (2 m by 2 m) is."""
 
 
-def world_notes(segments: Segments, config: WorldConfig) -> tuple[Note, ...]:
-    """Warn of oblique walls and of sloped or vaulted surfaces overhead.
+def world_notes(
+    segments: Segments, classes: tuple[FaceClass | None, ...], config: WorldConfig
+) -> tuple[Note, ...]:
+    """Warn of oblique walls, of sloped or vaulted surfaces overhead, and of floors half-way up.
 
     Args:
         segments: Manhattan frame.
+        classes: of these segments.
         config: see `WorldConfig`.
     """
     large = segments.areas_m2 >= config.min_segment_m2
@@ -39,6 +44,25 @@ def world_notes(segments: Segments, config: WorldConfig) -> tuple[Note, ...]:
     return (
         *_note("OBLIQUE_WALLS", "upright", "two wall directions", oblique, upright, areas_m2, config),
         *_note("SLOPED_CEILING", "overhead", "level plane", sloped, overhead, areas_m2, config),
+        *_half_way(segments, classes, limit, config),
+    )
+
+
+def _half_way(
+    segments: Segments, classes: tuple[FaceClass | None, ...], limit: float, config: WorldConfig
+) -> tuple[Note, ...]:
+    unused = np.array([name is None for name in classes], bool)
+    unused &= (np.abs(segments.normals[:, 2]) >= limit) & (segments.areas_m2 >= config.furniture_m2)
+    if not np.any(unused):
+        return ()
+    return (
+        Note(
+            "SPLIT_LEVEL",
+            f"{segments.areas_m2[unused].sum():.1f} m² of level surface lie half-way between floor and "
+            "ceiling and are larger than furniture: perhaps the floor of a room at another level. They are "
+            "not in the model. "
+            "Fix: cut the scan into parts of one level each.",
+        ),
     )
 
 
