@@ -77,8 +77,9 @@ def test_a_wall_that_is_seen_twice_is_one_where_the_floor_is_seen_twice(kind, wa
     x_m, y_m = (points_m - points_m.mean(axis=0))[:, :2].T
     stretch = np.floor(np.arctan2(y_m, x_m) / (np.pi / 4)).astype(int) + 4
     shifts_m = np.random.default_rng(seed).normal(0.0, 0.05, (9, 3))
-    shape, _ = discovered(Scan(scan.frame.to_scan(points_m + shifts_m[stretch])))
+    shape, notes = discovered(Scan(scan.frame.to_scan(points_m + shifts_m[stretch])))
     assert sum(plane.axis < 2 for plane in shape.planes) == walls
+    assert [note.code for note in notes if note.code.endswith("STEP")] == []
 
 
 def test_a_cloud_without_floor_is_refused():

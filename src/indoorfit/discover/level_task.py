@@ -20,7 +20,8 @@ class LevelConfig:
     """What counts as another level of a floor or a ceiling."""
 
     step_m: float = 0.08
-    """Levels that differ by more are two, as for walls; what floors are out of level is less."""
+    """Levels that differ by more are two, as for walls, and by more still where floor and ceiling scatter;
+    what floors are out of level is less."""
     min_area_m2: float = 0.3
     """Least area of a level: a tread, or a beam of 10 cm over 3 m. Lamps and shelves are smaller."""
     max_levels: int = 18

@@ -5,11 +5,12 @@ the plan itself (`labelling`): what was seen at the height and what at others, t
 two, and a price for each corner. What it would stand or hang there as furniture is then ruled out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .candidates import widened
 from .level_search import level_pieces
 from .level_task import FoundLevel, Grid, LevelConfig, LevelTask, refined, within
 
@@ -35,6 +36,9 @@ def find_levels(task: LevelTask, fallback_m: float, config: LevelConfig) -> Room
         fallback_m: the level of a room that shows none.
         config: see `LevelConfig`.
     """
+    # Where one surface is seen in several places, two levels must be as far apart as two walls.
+    apart_m = widened(task.candidates, task.surfaces, task.price).merge_m
+    config = replace(config, step_m=max(config.step_m, apart_m))
     points_m, area_m2 = task.points_m, (task.surfaces.pixel_m / 2.0) ** 2
     levels = level_areas(points_m[:, 2], config.step_m, area_m2)
     if not levels:
