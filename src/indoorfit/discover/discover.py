@@ -64,6 +64,6 @@ def discover(
     plan = find_plan(surfaces, seen_m2, config.candidates, config.labels, config.rooms, overrides)
     price = price_of_one(seen_m2, config.labels)
     shape, notes = build_shape(
-        plan.rooms, plan.grid, surfaces, config.candidates, config.labels, price, config.levels
+        plan.rooms, plan.grid, surfaces, plan.candidates, config.labels, price, config.levels
     )
     return shape, (*world_notes(segments, classes, config.world), *plan.notes, *notes)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from .candidates import candidate_lines, coverage_ends, distinct, end_reach, widened
+from .candidates import candidate_lines, coverage_ends, distinct, end_reach
 from .evidence import cell_coverage
 from .labelling import log_odds
 from .level_checks import Look, is_building
@@ -103,7 +103,7 @@ def _grid(
     none = here_m[:0]
     sides = replace(surfaces, walls_m=walls[0], wall_segments=walls[1], ceiling_m=none, floor_m=none)
     ends = replace(surfaces, ceiling_m=here_m, floor_m=main_m)
-    config = widened(task.candidates, surfaces, task.price)
+    config = task.candidates
     candidates = candidate_lines(sides, config)
     lines = []
     for axis in (0, 1):

@@ -54,6 +54,7 @@ class LevelTask:
     grid: Grid
     surfaces: Surfaces
     candidates: CandidateConfig
+    """As `widened` for this scan."""
     labels: LabelConfig
     price: float
     """Of one parameter (nats)."""

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .candidates import widened
 from .level_search import level_pieces
 from .level_task import FoundLevel, Grid, LevelConfig, LevelTask, refined, within
 
@@ -37,8 +36,7 @@ def find_levels(task: LevelTask, fallback_m: float, config: LevelConfig) -> Room
         config: see `LevelConfig`.
     """
     # Where one surface is seen in several places, two levels must be as far apart as two walls.
-    apart_m = widened(task.candidates, task.surfaces, task.price).merge_m
-    config = replace(config, step_m=max(config.step_m, apart_m))
+    config = replace(config, step_m=max(config.step_m, task.candidates.merge_m))
     points_m, area_m2 = task.points_m, (task.surfaces.pixel_m / 2.0) ** 2
     levels = level_areas(points_m[:, 2], config.step_m, area_m2)
     if not levels:

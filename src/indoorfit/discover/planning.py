@@ -30,6 +30,8 @@ class Plan:
 
     lines: tuple[Lines, Lines]
     """Candidates along x and along y; between them lie the cells."""
+    candidates: CandidateConfig
+    """What made them, as `widened` for this scan; holds for its levels, too."""
     evidence: Evidence
     forced: Borders
     """Borders that a person said are wall."""
@@ -85,7 +87,7 @@ def find_plan(
     inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, evidence, forced, forbidden, price, inside, found_rooms, notes)
+    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, found_rooms, notes)
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:

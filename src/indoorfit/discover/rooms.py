@@ -126,7 +126,7 @@ def build_shape(
         rooms: cells of each room.
         grid: lines of the cells.
         surfaces: sorted evidence.
-        candidates: where the edges of levels may be.
+        candidates: where the edges of levels may be, as `widened` for this scan.
         labels: chances of seeing what is there.
         price: of one parameter, nats.
         config: what counts as a level.

@@ -51,6 +51,7 @@ def world_notes(
 def _half_way(
     segments: Segments, classes: tuple[FaceClass | None, ...], limit: float, config: WorldConfig
 ) -> tuple[Note, ...]:
+    """Warn of level surfaces larger than furniture that are neither floor nor ceiling."""
     unused = np.array([name is None for name in classes], bool)
     unused &= (np.abs(segments.normals[:, 2]) >= limit) & (segments.areas_m2 >= config.furniture_m2)
     if not np.any(unused):
@@ -60,8 +61,7 @@ def _half_way(
             "SPLIT_LEVEL",
             f"{segments.areas_m2[unused].sum():.1f} m² of level surface lie half-way between floor and "
             "ceiling and are larger than furniture: perhaps the floor of a room at another level. They are "
-            "not in the model. "
-            "Fix: cut the scan into parts of one level each.",
+            "not in the model. Fix: cut the scan into parts of one level each.",
         ),
     )
 

@@ -50,8 +50,8 @@ class JointFit:
     """Solver steps of the last round."""
     rounds: int
     converged: bool
-    moved_m: Float[np.ndarray, " planes"]
-    """How far each plane moved in the last round."""
+    restless: tuple[int, ...]
+    """Planes that still moved in the last round, the farthest first."""
 
 
 def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
@@ -90,6 +90,7 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
     stride = max(1, len(local_m) // config.coarse_points)
     state = _State(start, frame.R_manhattan_scan)
     still, rounds, steps, before_m = False, 0, 0, start.offsets_m
+    limit_m = config.settle * config.association.reach_m
     # Coarse rounds until the association stands still, then rounds with all points.
     for step in ([stride] if stride > 1 else []) + [1]:
         still = False
@@ -97,8 +98,9 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
             rounds += 1
             before_m = state.shape.offsets_m
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
-            still = moved_m < config.settle * config.association.reach_m
+            still = moved_m < limit_m
     frame = Frame(state.rotation, frame.origin_scan_m)
+    last_m = np.abs(state.shape.offsets_m - before_m)
     assert state.data is not None, "at least one round was made"
     assert state.cells is not None, "at least one round was made"
     return JointFit(
@@ -110,7 +112,7 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
         steps=steps,
         rounds=rounds,
         converged=still and state.solved,
-        moved_m=np.abs(state.shape.offsets_m - before_m),
+        restless=tuple(int(k) for k in np.argsort(-last_m) if last_m[k] >= limit_m),
     )
 
 

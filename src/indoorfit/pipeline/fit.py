@@ -140,9 +140,7 @@ def _fit(
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)
         log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
         shape, frame, data = joint.shape, joint.frame, joint.data
-        cells, converged = joint.cells, joint.converged
-        limit_m = config.joint.settle * config.joint.association.reach_m
-        restless = tuple(int(k) for k in np.argsort(-joint.moved_m) if joint.moved_m[k] >= limit_m)
+        cells, converged, restless = joint.cells, joint.converged, joint.restless
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):

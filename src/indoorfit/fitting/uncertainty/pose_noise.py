@@ -15,7 +15,7 @@ _NAMES = ("shift_m", "turn_rad", "drift_odds", "memory_frames", "wall_m", "eta_m
 def describe_pose_noise(
     hyper: HyperDraws, prior_stds: Float[np.ndarray, " 7"], robust: Robustness, converged: bool
 ) -> dict[str, Any]:
-    """Posterior of the six scales, what the prior decided, and a sentence."""
+    """Posterior of the seven scales, what the prior decided, and a sentence."""
     medians = np.exp(hyper.mean)
     shares = hyper.std / prior_stds
     dominated = [name for name, share in zip(_NAMES, shares, strict=True) if share > PRIOR_DOMINATED]

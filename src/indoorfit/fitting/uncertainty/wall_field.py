@@ -74,8 +74,8 @@ class WallFieldConfig:
     face_share: float = 0.2
     """Variance of an offset common to a whole wall, as a share of tau^2; none for floor and ceiling. A stated
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
-    shows. Floor and ceiling are in view all along. What its turn
-    tells of it is counted by `lever_m`. 0 is right where every wall was passed twice or more."""
+    shows. Floor and ceiling are in view all along. What its turn tells of it is counted by `lever_m`. 0 is
+    right where every wall was passed twice or more."""
     wall_dof: float = 4.0
     """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1);
     infinite takes them as alike. One that hangs on a slipped block of frames does not: its own residuals then
