@@ -1,8 +1,10 @@
 """Pure maths that two stages or more use."""
 
+from .boxes import room_of_planes as room_of_planes
+from .exposure import Corner as Corner
 from .exposure import Exposure as Exposure
-from .exposure import exposures as exposures
-from .exposure import room_of_planes as room_of_planes
+from .exposures import corner_of as corner_of
+from .exposures import exposures as exposures
 from .levels import Level as Level
 from .levels import with_levels as with_levels
 from .plan import shape_from_plan as shape_from_plan

@@ -9,7 +9,9 @@ from jaxtyping import Bool, Float
 
 from indoorfit.model import Cube, Plane, Role, Shape, Side
 
-from .exposure import Exposure, exposures, room_of_planes
+from .boxes import room_of_planes
+from .exposure import Exposure
+from .exposures import exposures
 from .plan import bounding_box, components
 
 _PLAN_SIDES: tuple[Side, ...] = ("-x", "+x", "-y", "+y")

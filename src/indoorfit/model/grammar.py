@@ -3,6 +3,9 @@
 A shape is a tree of cubes and a list of planes. Every side of a cube is either one of the planes or
 open ("infinite" in the thesis). The planes carry the parameters, so two cubes share a parameter only
 where they share a physical wall. All coordinates are in the Manhattan frame.
+
+A wall across a corner is the front of a cube with a yaw of its own (an Atlanta world: Schindler and Dellaert
+2004). It is as wide and as deep as the corner between the two walls that it runs between.
 """
 
 from collections.abc import Mapping
@@ -30,6 +33,10 @@ OPEN_MARGIN_M = 1.0
 """How far an open side lies outside its parent. It carries no parameter and leaves no trace in the
 solid; a metre keeps it far from every tolerance without hurting the conditioning of the boolean."""
 
+BEYOND_M = 0.02
+"""How far the open sides of a cube with a yaw of its own lie beyond the walls of its corner: less than the
+thinnest notch, of which there is more behind such a wall than that."""
+
 
 def side_axis(side: Side) -> int:
     """0, 1 or 2 for x, y or z."""
@@ -53,11 +60,47 @@ class Plane:
     """Manhattan frame, metres."""
     status: PlaneStatus = "observed"
     """`inferred` planes have no points of their own."""
+    yaw_rad: float = 0.0
+    """How far the plane's own axes are turned about z; other than 0 only for oblique walls, which are
+    perpendicular to their own x axis and have the room before them (`axis` 0, `outward` +1)."""
+
+    @property
+    def oblique(self) -> bool:
+        """Whether the plane has a direction of its own."""
+        return self.yaw_rad != 0.0
+
+    @property
+    def normal(self) -> Float[np.ndarray, " 3"]:
+        """Unit vector along the plane's axis, Manhattan frame."""
+        if self.oblique:
+            return np.array([np.cos(self.yaw_rad), np.sin(self.yaw_rad), 0.0])
+        return np.eye(3)[self.axis]
+
+    @property
+    def turn_normal(self) -> Float[np.ndarray, " 3"]:
+        """Derivative of an oblique plane's normal with respect to its yaw."""
+        return np.array([-np.sin(self.yaw_rad), np.cos(self.yaw_rad), 0.0])
+
+    @property
+    def R_own_manhattan(self) -> Float[np.ndarray, "3 3"]:
+        """From the Manhattan axes to the plane's own."""
+        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+    def to_own(self, points_m: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 3"]:
+        """Points from the Manhattan axes to the plane's own: the same array for all but oblique planes."""
+        return points_m @ self.R_own_manhattan.T if self.oblique else points_m
+
+    def from_own(self, points_m: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 3"]:
+        """Points from the plane's own axes to the Manhattan ones."""
+        return points_m @ self.R_own_manhattan if self.oblique else points_m
 
     @property
     def face_class(self) -> FaceClass:
-        """The thesis' name for the plane, by its outward direction (Table 3-1)."""
+        """The thesis' name for the plane, by its outward direction (Table 3-1), or the nearest to it."""
         names: tuple[FaceClass, ...] = ("left", "right", "back", "front", "floor", "ceiling")
+        if self.oblique:
+            return (names[1], names[3], names[0], names[2])[round(self.yaw_rad / (0.5 * np.pi)) % 4]
         return names[2 * self.axis + (self.outward > 0)]
 
 
@@ -72,6 +115,15 @@ class Cube:
     """The cube that this one is taken away from; None for a room."""
     sides: Mapping[Side, int | None]
     """For each of the six sides the index of its plane in the shape, or None where it is open."""
+    between: tuple[int, int] | None = None
+    """Of a cube with a yaw of its own: the planes of the two walls whose corner it cuts off."""
+
+    @property
+    def front(self) -> int | None:
+        """The oblique plane of a cube with a yaw of its own; None for all others."""
+        if self.between is None:
+            return None
+        return self.sides["-x"] if self.sides["-x"] is not None else self.sides["+x"]
 
     @property
     def open_sides(self) -> tuple[Side, ...]:
@@ -91,6 +143,45 @@ class Shape:
     def offsets_m(self) -> Float[np.ndarray, " planes"]:
         """The plane offsets as a vector, Manhattan frame."""
         return np.array([plane.offset_m for plane in self.planes])
+
+    @property
+    def oblique(self) -> tuple[int, ...]:
+        """Indices of the planes with a yaw of their own."""
+        return tuple(k for k, plane in enumerate(self.planes) if plane.oblique)
+
+    @property
+    def parameters(self) -> Float[np.ndarray, " parameters"]:
+        """All plane offsets (m), then the yaws of the oblique planes (rad)."""
+        return np.append(self.offsets_m, [self.planes[k].yaw_rad for k in self.oblique])
+
+    def yaw_parameter(self, plane: int) -> int:
+        """Where in `parameters` the yaw of an oblique plane stands."""
+        return len(self.planes) + self.oblique.index(plane)
+
+    def with_parameters(self, parameters: Float[np.ndarray, " parameters"]) -> "Shape":
+        """The same tree over moved and turned planes."""
+        planes = list(self.with_offsets(parameters[: len(self.planes)]).planes)
+        for k, yaw_rad in zip(self.oblique, parameters[len(planes) :], strict=True):
+            planes[k] = replace(planes[k], yaw_rad=float(yaw_rad))
+        return replace(self, planes=tuple(planes))
+
+    @property
+    def squared(self) -> "Shape":
+        """The same rooms with square corners in place of oblique walls; the planes keep their numbers."""
+        if not self.oblique:
+            return self
+        return replace(self, cubes=tuple(cube for cube in self.cubes if cube.between is None))
+
+    def corner_m(self, first: int, second: int) -> Float[np.ndarray, " 2"]:
+        """Where two upright planes that are not parallel meet, x and y."""
+        ends = (self.planes[first], self.planes[second])
+        return np.linalg.solve(
+            np.stack([plane.normal[:2] for plane in ends]), np.array([plane.offset_m for plane in ends])
+        )
+
+    def yaw_of(self, cube: Cube) -> float:
+        """How far a cube's own axes are turned about z; 0 for all but those behind oblique walls."""
+        return 0.0 if cube.front is None else self.planes[cube.front].yaw_rad
 
     def with_offsets(self, offsets_m: Float[np.ndarray, " planes"]) -> "Shape":
         """The same tree over moved planes."""
@@ -113,11 +204,15 @@ class Shape:
         """Low and high corner of every cube, open sides set a margin outside the parent.
 
         Returns:
-            by cube id, Manhattan frame, metres. Equal planes give bitwise equal numbers, which the
-            boolean operations rely on.
+            by cube id, metres, Manhattan frame; for a cube with a yaw of its own (`yaw_of`), that frame turned
+            about z. Equal planes give bitwise equal numbers, which the boolean operations rely on.
         """
         bounds: dict[str, Float[np.ndarray, "2 3"]] = {}
         for cube in self.cubes:
+            if cube.between is not None:
+                assert cube.parent is not None, "a room has no yaw of its own"
+                bounds[cube.id] = self._behind_oblique_m(cube, bounds[cube.parent])
+                continue
             corners = np.empty((2, 3))
             for side, plane in cube.sides.items():
                 end = int(side_sign(side) > 0)
@@ -130,3 +225,21 @@ class Shape:
                     corners[end, axis] = outer + side_sign(side) * OPEN_MARGIN_M
             bounds[cube.id] = corners
         return bounds
+
+    def _behind_oblique_m(
+        self, cube: Cube, parent_m: Float[np.ndarray, "2 3"]
+    ) -> Float[np.ndarray, "2 3"]:
+        """The box behind an oblique wall, in its own axes: it holds the corner that the wall cuts off.
+
+        Its open sides are beyond the two walls of that corner, by too little to reach anything else.
+        """
+        front, between = cube.front, cube.between
+        assert front is not None, "an oblique cube has a front"
+        assert between is not None, "an oblique cube lies between two walls"
+        plane = self.planes[front]
+        xy_m = [self.corner_m(front, other) for other in between] + [self.corner_m(*between)]
+        own_m = plane.to_own(np.column_stack([xy_m, np.zeros(3)]))
+        corners = np.array([own_m.min(axis=0) - BEYOND_M, own_m.max(axis=0) + BEYOND_M])
+        corners[0 if cube.sides["-x"] is not None else 1, 0] = plane.offset_m
+        corners[:, 2] = parent_m[:, 2] + np.array([-OPEN_MARGIN_M, OPEN_MARGIN_M])
+        return corners

@@ -55,6 +55,8 @@ def subtract_cubes(shape: Shape, room: Cube) -> RoomSolid:
 
 def _difference(shape: Shape, cube: Cube, bounds_m: dict[str, Float[np.ndarray, "2 3"]]) -> m3.Manifold:
     solid = _box(cube, bounds_m[cube.id])
+    if cube.between is not None:
+        solid = solid.rotate((0.0, 0.0, float(np.degrees(shape.yaw_of(cube)))))
     for child in shape.children(cube.id):
         solid = solid - _difference(shape, child, bounds_m)
     return solid
