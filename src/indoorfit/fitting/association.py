@@ -1,6 +1,6 @@
 """Which points belong to which plane."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -93,7 +93,7 @@ def _associate(
     for exposure, (chosen, claimed) in zip(exposures(shape), claimed_of_planes, strict=True):
         plane = shape.planes[exposure.plane]
         if measured_m is not None:
-            claimed = measured_m[chosen]
+            claimed = plane.to_own(measured_m[chosen])
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
         coverage[exposure.plane] = _coverage(claimed, exposure, pixel_m)
         n_points[exposure.plane] = len(residuals_m)
@@ -102,9 +102,9 @@ def _associate(
         frames = None if frame_index is None else frame_index[chosen]
         # A single frame's cell has few points, in the few depths that a disparity can take.
         coarse_m = 0.0 if frame_index is None else float(rms_m[exposure.plane])
-        parts.append(
-            summarise(claimed, frames, exposure, plane.offset_m, patch_m, config.min_points, coarse_m)
-        )
+        side_m = min(patch_m, (exposure.u_m[-1] - exposure.u_m[0]) / _COLUMNS) if plane.oblique else patch_m
+        own = summarise(claimed, frames, exposure, plane.offset_m, side_m, config.min_points, coarse_m)
+        parts.append(replace(own, means_m=plane.from_own(own.means_m)))
     return PatchData(joined(parts), n_points, rms_m, coverage)
 
 
@@ -114,7 +114,7 @@ def claims(
     config: AssociationConfig,
     sight: Sight | None = None,
 ) -> tuple[tuple[Int[np.ndarray, " _"], Float[np.ndarray, "_ 3"]], ...]:
-    """Indices and places of the points that belong to each plane, in the order of `exposures`.
+    """Indices of the points that belong to each plane and their places in its own axes, as `exposures` go.
 
     Args:
         points_m: Manhattan frame, metres.
@@ -127,11 +127,33 @@ def claims(
         plane = shape.planes[exposure.plane]
         # Whatever stands near an unseen wall is not that wall.
         seen = points_m if plane.status == "observed" else points_m[:0]
-        rivals_m = [
-            other.offset_m for other in shape.planes if other.axis == plane.axis and other is not plane
-        ]
-        found.append(_claim(seen, exposure, plane, rivals_m, config, sight))
+        rivals_m = _rivals_m(shape, plane, exposure)
+        own_sight = sight if sight is None or not plane.oblique else sight.seen_from(plane)
+        found.append(_claim(plane.to_own(seen), exposure, plane, rivals_m, config, own_sight))
     return tuple(found)
+
+
+_COLUMNS = 3
+"""Patches along an oblique wall, at least: its yaw is read off them."""
+_PARALLEL = float(np.cos(np.radians(10.0)))
+"""Two sides of one oblique wall have a yaw each; within this angle they are sides of one wall."""
+
+
+def _rivals_m(shape: Shape, plane: Plane, exposure: Exposure) -> list[float]:
+    """Where other planes of the same direction lie, along the plane's own axis."""
+    if not plane.oblique:
+        return [
+            other.offset_m
+            for other in shape.planes
+            if other.axis == plane.axis and not other.oblique and other is not plane
+        ]
+    middle_m = plane.from_own(np.array([[plane.offset_m, 0.5 * (exposure.u_m[0] + exposure.u_m[-1]), 0.0]]))[0]
+    others = [shape.planes[k] for k in shape.oblique if shape.planes[k] is not plane]
+    return [
+        plane.offset_m + float((other.offset_m - other.normal @ middle_m) / (other.normal @ plane.normal))
+        for other in others
+        if abs(other.normal @ plane.normal) > _PARALLEL
+    ]
 
 
 def _claim(
@@ -142,7 +164,7 @@ def _claim(
     config: AssociationConfig,
     sight: Sight | None,
 ) -> tuple[Int[np.ndarray, " claimed"], Float[np.ndarray, "claimed 3"]]:
-    """Indices of the points on the exposed part of one plane, and their places.
+    """Indices of the points on the exposed part of one plane, and their places; all in its own axes.
 
     Where lines of sight are known, a place along the plane is where the line meets it; the coordinate
     across the plane is always the measured one.

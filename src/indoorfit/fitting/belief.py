@@ -1,6 +1,7 @@
 """What is believed of the planes after the fit: one geometry, and how far it may be off."""
 
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -114,10 +115,11 @@ def believe(
     Raises:
         SamplingError: the chains have not converged; nothing is reported from them.
     """
-    theta = np.concatenate([np.zeros(3), shape.offsets_m])
+    theta = np.concatenate([np.zeros(3), shape.parameters])
     contrasts = Contrasts(_parallel_gaps(shape), theta)
     everything = with_inferred(cells, shape, inferred_std_m)
-    extra = np.pad(edge_exchange_covariance(shape, plane_rms_m), ((3, 0), (3, 0)))
+    around = (3, len(shape.oblique))
+    extra = np.pad(edge_exchange_covariance(shape, plane_rms_m), (around, around))
     if sampler is None:
         wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
     else:
@@ -176,14 +178,13 @@ def _sampled(
 def _parallel_gaps(shape: Shape) -> Float[np.ndarray, "gaps params"]:
     """One row for every pair of parallel planes of a room: all lengths that it has."""
     rooms = room_of_planes(shape)
-    n = len(shape.planes)
     rows = []
-    for i in range(n):
-        for j in range(i + 1, n):
-            if shape.planes[i].axis == shape.planes[j].axis and rooms[i] == rooms[j]:
-                row = np.zeros(3 + n)
-                row[3 + i], row[3 + j] = -1.0, 1.0
-                rows.append(row)
+    straight = [k for k, plane in enumerate(shape.planes) if not plane.oblique]
+    for i, j in combinations(straight, 2):
+        if shape.planes[i].axis == shape.planes[j].axis and rooms[i] == rooms[j]:
+            row = np.zeros(3 + len(shape.parameters))
+            row[3 + i], row[3 + j] = -1.0, 1.0
+            rows.append(row)
     return np.array(rows)
 
 
@@ -191,10 +192,11 @@ def _completed(pose: Predictive, wall: Predictive) -> Predictive:
     """Fill planes that the pose field did not see from the wall field."""
     missing = np.flatnonzero(~pose.seen)
     means, covariances = pose.means.copy(), pose.covariances.copy()
-    variances = np.einsum("k,kpp->p", wall.weights, wall.covariances)
+    average = np.einsum("k,kpq->pq", wall.weights, wall.covariances)
     means[:, missing] = (wall.weights @ wall.means)[missing]
-    # In place of what is there: the wall field's variance holds the bias through the edges already.
-    covariances[:, missing, missing] = variances[missing]
+    # In place of what is there: the wall field's variance holds the bias through the edges already. Offset and
+    # yaw of an oblique plane err together.
+    covariances[:, missing[:, None], missing] = average[np.ix_(missing, missing)]
     return replace(pose, means=means, covariances=covariances, seen=np.ones_like(pose.seen))
 
 
@@ -218,7 +220,7 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
         "explanation": pose.noise["sentence"],
     }
     return Belief(
-        shape=shape.with_offsets(theta[3:]),
+        shape=shape.with_parameters(theta[3:]),
         frame=replace(frame, R_manhattan_scan=turn.T @ frame.R_manhattan_scan),
         wall=wall,
         pose=pose,
@@ -262,7 +264,8 @@ def edge_exchange_covariance(
     """
     room_of = room_of_planes(shape)
     rooms = np.array([room_of.get(k, "") for k in range(len(shape.planes))])
-    axes = np.array([plane.axis for plane in shape.planes])
+    # An oblique plane has none opposite to it, and so no length between two such biases.
+    axes = np.array([-k if plane.oblique else plane.axis for k, plane in enumerate(shape.planes)])
     mean_m = np.zeros(len(axes))
     for k, rms_m in enumerate(plane_rms_m):
         extent_m = float(np.ptp(shape.offsets_m[(axes == axes[k]) & (rooms == rooms[k])]))

@@ -7,6 +7,7 @@ from indoorfit.model import Frame, Scan, Shape
 
 from .association import AssociationConfig, associate_frames
 from .motions import RigidMotions, corrections
+from .patches import Patches
 from .residuals import build_cells
 from .sight import sight_of
 from .uncertainty import Cells, PoseFieldConfig, pose_obstacle, rough_slips
@@ -41,9 +42,10 @@ def cells_by_frame(
     centres_m = None if sight is None else sight.centres_m
     points_m = frame.to_manhattan(scan.points_m)
     data = associate_frames(points_m, index, shape, config, pixel_m, sight)
-    if len(data.patches.plane) == 0:
+    patches = _square(data.patches, shape)
+    if len(patches.plane) == 0:
         return None
-    cells = build_cells(data.patches, shape, centres_m)
+    cells = build_cells(patches, shape, centres_m)
     if pose_obstacle(cells, pose) is not None:
         return cells
     try:
@@ -57,10 +59,25 @@ def cells_by_frame(
     data = associate_frames(
         motions.apply(points_m, index),
         index,
-        shape.with_offsets(shape.offsets_m + step[3:]),
+        shape.with_parameters(shape.parameters + step[3:]),
         config,
         pixel_m,
         None if sight is None else sight.moved(motions),
         points_m,
     )
-    return build_cells(data.patches, shape, centres_m)
+    return build_cells(_square(data.patches, shape), shape, centres_m)
+
+
+def _square(patches: Patches, shape: Shape) -> Patches:
+    """Without the patches of oblique planes: the frames' slips are told by those of the three axes.
+
+    What is known of the oblique planes stays what the cloud as a whole says.
+    """
+    kept = ~np.isin(patches.plane, shape.oblique)
+    return Patches(
+        plane=patches.plane[kept],
+        means_m=patches.means_m[kept],
+        variances_m2=patches.variances_m2[kept],
+        counts=patches.counts[kept],
+        frames=None if patches.frames is None else patches.frames[kept],
+    )

@@ -17,6 +17,7 @@ from .patches import PatchData
 from .residuals import build_cells
 from .uncertainty import Cells
 from .uncertainty.location import student_t_precisions
+from .yaws import turned_to, turning_freely
 
 
 @dataclass(frozen=True)
@@ -140,18 +141,19 @@ def _round(
             "fit: no points lie on the walls that were found. Fix: check --unit; lower segment.min_surfels."
         )
     weights = student_t_precisions(build_cells(patches, shape), config.student_dof)
-    axes = np.array([plane.axis for plane in shape.planes])
-    moments = plane_moments(patches.means_m, patches.plane, weights, len(axes))
-    solution = solve(moments, axes, shape.offsets_m)
+    normals = np.array([plane.normal for plane in shape.planes])
+    moments = plane_moments(patches.means_m, patches.plane, weights, len(normals))
+    solution = solve(turning_freely(moments, shape), normals, shape.offsets_m)
     turn = Rotation.from_rotvec(solution.rotation_rad).as_matrix()
     # Planes without points stay where they are, to the bit: several may share one place.
-    seen = np.bincount(patches.plane, minlength=len(axes)) > 0
+    seen = np.bincount(patches.plane, minlength=len(normals)) > 0
     offsets_m = np.where(seen, solution.offsets_m, shape.offsets_m)
     # The planes' normals turned by `turn`, so in the new frame the points turn back.
     patches = replace(patches, means_m=patches.means_m @ turn)
     moved_m = float(np.max(np.abs(offsets_m - shape.offsets_m)))
     moved_m += float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
-    shape = shape.with_offsets(offsets_m)
+    shape, turned_m = turned_to(shape.with_offsets(offsets_m), patches, weights)
+    moved_m += turned_m
     after = _State(
         shape=shape,
         rotation=turn.T @ state.rotation,

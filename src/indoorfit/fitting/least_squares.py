@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from .moments import PlaneMoments
 from .plane_residuals import Problem, Unknowns
@@ -27,20 +27,20 @@ _BLOCK = 32
 
 
 def solve(
-    moments: PlaneMoments, axes: Int[np.ndarray, " planes"], start_m: Float[np.ndarray, " planes"]
+    moments: PlaneMoments, normals: Float[np.ndarray, "planes 3"], start_m: Float[np.ndarray, " planes"]
 ) -> Solution:
     """Minimise over rotation and offsets.
 
     Args:
         moments: weighted moments per plane, Manhattan frame at the linearisation point.
-        axes: 0, 1 or 2 for each plane.
+        normals: unit vector along each plane's axis, same frame.
         start_m: offsets to start from; planes without weight keep theirs.
     """
     n = len(start_m)
     padding = -n % _BLOCK
     free = (moments.weights > 0).astype(float)
     problem = Problem(
-        axes=np.pad(np.eye(3)[axes], ((0, padding), (0, 0))),
+        axes=np.pad(normals, ((0, padding), (0, 0))),
         weights=np.pad(np.where(free > 0, moments.weights, 1.0), (0, padding), constant_values=1.0),
         means_m=np.pad(moments.means_m, ((0, padding), (0, 0))),
         roots=np.pad(moments.roots, ((0, padding), (0, 0), (0, 0))),

@@ -35,6 +35,8 @@ def unpassed(start: Shape, fitted: Shape, plane_points: Int[np.ndarray, " planes
     for first, second in np.argwhere(before_m[:, None] < before_m[None, :]).tolist():
         if start.planes[first].axis != start.planes[second].axis or room.get(first) != room.get(second):
             continue
+        if start.planes[first].oblique or start.planes[second].oblique:
+            continue
         if after_m[first] < after_m[second]:
             continue
         if before_m[second] - before_m[first] < SAME_WALL_M and not _meet(faces[first], faces[second]):

@@ -51,7 +51,7 @@ def summarise(
     """Robust location and its variance for every patch (and frame) with enough points.
 
     Args:
-        claimed_m: the plane's points, Manhattan frame.
+        claimed_m: the plane's points, in its own axes, as what is returned.
         frames: index of each point's frame; None to mix them.
         exposure: of the plane; the patches divide its grid evenly.
         offset_m: of the plane.

@@ -12,7 +12,8 @@ def plane_covariance(belief: Belief, inflation: float = 1.0) -> Float[np.ndarray
     Where two noise models are fused, the average with their weights.
     """
     n_planes = len(belief.shape.planes)
-    matrix = np.concatenate([np.zeros((n_planes, 3)), np.eye(n_planes)], axis=1)
+    # After the rotation; the yaws of oblique planes are none of the offsets.
+    matrix = np.eye(n_planes, 3 + len(belief.shape.parameters), k=3)
     covariance = belief.wall.with_contrasts(matrix).covariance()
     if belief.pose is not None:
         pose = belief.pose.with_contrasts(matrix).covariance()

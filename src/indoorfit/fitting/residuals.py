@@ -7,6 +7,7 @@ from indoorfit.model import Shape
 
 from .patches import Patches
 from .uncertainty import Cells
+from .yaws import tells_yaw
 
 
 def build_cells(
@@ -19,16 +20,21 @@ def build_cells(
         shape: with the planes' present offsets.
         frame_centres_m: sensor positions, Manhattan frame, where known.
     """
-    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
+    normals = np.array([plane.normal for plane in shape.planes])[patches.plane]
     n = len(patches.plane)
-    design = np.zeros((n, 3 + len(shape.planes)))
-    design[:, :3] = np.cross(np.eye(3)[axes], patches.means_m)
+    design = np.zeros((n, 3 + len(shape.parameters)))
+    design[:, :3] = np.cross(normals, patches.means_m)
     design[np.arange(n), 3 + patches.plane] = -1.0
+    for k in shape.oblique:
+        own = np.flatnonzero(patches.plane == k)
+        along_m = patches.means_m[own] @ shape.planes[k].turn_normal
+        if tells_yaw(along_m):
+            design[own, 3 + shape.yaw_parameter(k)] = along_m
     return Cells(
         plane=patches.plane,
         design=design,
         centroids_m=patches.means_m,
-        residuals_m=patches.means_m[np.arange(n), axes] - shape.offsets_m[patches.plane],
+        residuals_m=np.sum(normals * patches.means_m, axis=1) - shape.offsets_m[patches.plane],
         variances_m2=patches.variances_m2,
         counts=patches.counts,
         frames=patches.frames,
@@ -36,8 +42,13 @@ def build_cells(
     )
 
 
+_GUESSED_YAW_RAD = 0.2
+"""Standard uncertainty of a yaw that the patches do not tell: some 10 degrees, as discovery needs to tell an
+oblique wall from the others."""
+
+
 def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
-    """Add one cell for every plane that no point fixed: what discovery knows of it, and how well.
+    """Add one cell for every parameter that no point fixed: what discovery knows of it, and how well.
 
     An inferred wall stands where floor and ceiling end; that is one observation of its position.
 
@@ -47,9 +58,13 @@ def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
         inferred_std_m: standard uncertainty of an inferred position, metres.
     """
     silent = np.setdiff1d(np.arange(len(shape.planes)), cells.plane)
-    n = len(silent)
+    turns = np.array([k for k in shape.oblique if not cells.seen[3 + shape.yaw_parameter(k)]], int)
+    n = len(silent) + len(turns)
     design = np.zeros((n, cells.n_params))
-    design[np.arange(n), 3 + silent] = -1.0
+    design[np.arange(len(silent)), 3 + silent] = -1.0
+    for row, k in enumerate(turns.tolist(), start=len(silent)):
+        design[row, 3 + shape.yaw_parameter(k)] = inferred_std_m / _GUESSED_YAW_RAD
+    silent = np.concatenate([silent, turns])
     return Cells(
         plane=np.concatenate([cells.plane, silent]),
         design=np.concatenate([cells.design, design]),

@@ -5,7 +5,7 @@ selects points by the place where they *are* keeps too many of those that err in
 and at the sensor's largest depth. Selecting by the place where the line of sight *meets the plane* does not.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -38,6 +38,11 @@ class Sight:
             axes = np.einsum("fij,fj->fi", motions.rotations, axes)
         return Sight(self.frame, centres_m, axes, self.limit_m)
 
+    def seen_from(self, plane: Plane) -> "Sight":
+        """The same in the axes of an oblique plane."""
+        axes = None if self.depth_axes is None else plane.to_own(self.depth_axes)
+        return replace(self, centres_m=plane.to_own(self.centres_m), depth_axes=axes)
+
     def meet(
         self,
         points_m: Float[np.ndarray, "points 3"],
@@ -48,7 +53,7 @@ class Sight:
         """Where the lines of sight of some points meet a plane.
 
         Args:
-            points_m: all points, same axes as the sight.
+            points_m: all points, same axes as the sight: the plane's own.
             chosen: which of them.
             plane: with its present offset.
             reach_m: points move along their line by at most this much: a wall that registration has put

@@ -49,11 +49,11 @@ class Verdict:
     converged: bool
 
 
-def measurands(found: Survey, n_planes: int) -> tuple[Measurand, ...]:
+def measurands(found: Survey, shape: Shape) -> tuple[Measurand, ...]:
     """Everything that needs an interval: dimensions, room quantities, then every plane offset itself."""
     dimensions = [dimension.measurand for dimension in found.dimensions]
     rooms = [m for room in found.rooms for m in (room.floor_area, room.volume, room.perimeter)]
-    offsets = [Measurand(0.0, row) for row in np.eye(n_planes)]
+    offsets = [Measurand(0.0, row) for row in np.eye(len(shape.planes), len(shape.parameters))]
     return tuple(dimensions + rooms + offsets)
 
 
@@ -75,7 +75,7 @@ def assemble(
         prediction: per measurand, in the order of `measurands`.
         verdict: method, noise, warnings, provenance.
     """
-    values = np.array([measurand.value for measurand in measurands(found, len(shape.planes))])
+    values = np.array([measurand.value for measurand in measurands(found, shape)])
     known = quantities(values, prediction, verdict.level)
     n = len(found.dimensions)
     n_rooms = 3 * len(found.rooms)
@@ -120,8 +120,7 @@ def _face(
     face: NamedFace, shape: Shape, frame: Frame, evidence: PlaneEvidence, offsets: Sequence[Quantity]
 ) -> Face:
     plane = shape.planes[face.polygon.plane]
-    inward = np.zeros(3)
-    inward[plane.axis] = -plane.outward
+    inward = 0.0 - plane.outward * plane.normal
     k = face.polygon.plane
     return Face(
         id=face.id,

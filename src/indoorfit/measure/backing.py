@@ -7,7 +7,7 @@ import numpy as np
 
 from indoorfit.model import Shape
 
-from .named import Measurand, NamedDimension, NamedFace, Survey
+from .named import NamedDimension, NamedFace, Survey, distance
 
 MAX_WALL_M = 0.5
 """Rooms further apart than the thickest masonry have more than one wall between them."""
@@ -35,7 +35,8 @@ class Backing:
 def backings(shape: Shape, found: Survey) -> tuple[Backing, ...]:
     """All pairs of walls of different rooms with nothing but wall between them."""
     pairs = []
-    walls = [face for face in found.faces if face.kind == "wall"]
+    # The two sides of an oblique wall have a yaw each, and no distance.
+    walls = [f for f in found.faces if f.kind == "wall" and not shape.planes[f.polygon.plane].oblique]
     lows = [face for face in walls if shape.planes[face.polygon.plane].outward > 0]
     highs = [face for face in walls if shape.planes[face.polygon.plane].outward < 0]
     for low, high in product(lows, highs):
@@ -74,8 +75,6 @@ def with_thicknesses(shape: Shape, found: Survey) -> Survey:
 def _thickness(shape: Shape, backing: Backing) -> NamedDimension:
     planes = backing.low.polygon.plane, backing.high.polygon.plane
     offsets_m = [shape.planes[k].offset_m for k in planes]
-    gradient = np.zeros(len(shape.planes))
-    gradient[list(planes)] = -1.0, 1.0
     ends_m = np.zeros((2, 3))
     ends_m[:, backing.axis] = offsets_m
     ends_m[:, 1 - backing.axis] = np.mean(backing.span_m)
@@ -88,5 +87,5 @@ def _thickness(shape: Shape, backing: Backing) -> NamedDimension:
         planes=planes,
         from_m=ends_m[0],
         to_m=ends_m[1],
-        measurand=Measurand(offsets_m[1] - offsets_m[0], gradient),
+        measurand=distance(shape, *planes),
     )

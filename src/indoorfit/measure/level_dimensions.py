@@ -131,7 +131,8 @@ def _face_at(
     low_m, high_m = edge.min(axis=0), edge.max(axis=0)
     for face in faces:
         other = face.polygon.rings_m[0]
-        if shape.planes[face.polygon.plane].axis == axis and other[0, axis] == at_m:
+        plane = shape.planes[face.polygon.plane]
+        if plane.axis == axis and not plane.oblique and other[0, axis] == at_m:
             # Corners in one place have equal numbers: polygons come from one mesh.
             meets = (other.min(axis=0) <= high_m) & (other.max(axis=0) >= low_m)
             apart = np.minimum(other.max(axis=0), high_m) - np.maximum(other.min(axis=0), low_m)

@@ -9,7 +9,8 @@ from jaxtyping import Float
 from indoorfit.errors import InputError
 from indoorfit.model import Polygon, Shape
 
-from .plan_cells import NOT_ENCLOSED, PlanCells
+from .outline import outline_rings
+from .plan_cells import NOT_ENCLOSED
 
 
 @dataclass(frozen=True)
@@ -29,20 +30,19 @@ class FloorLoop:
     edges: tuple[FloorEdge, ...]
 
 
-def floor_loops(shape: Shape, pieces: Sequence[Polygon], cells: PlanCells) -> tuple[FloorLoop, ...]:
+def floor_loops(shape: Shape, pieces: Sequence[Polygon]) -> tuple[FloorLoop, ...]:
     """Match every side of the plan to its wall, whatever levels the floor has.
 
     Args:
         shape: the grammar.
         pieces: the polygons of one room.
-        cells: of these polygons.
 
     Raises:
         InputError: a side of the plan has no wall.
     """
     walls = [piece for piece in pieces if shape.planes[piece.plane].axis < 2]
     loops = []
-    for ring in cells.rings_m():
+    for ring in outline_rings(shape, pieces):
         following = np.roll(ring, -1, axis=0)
         edges = [
             FloorEdge(_wall_at(shape, walls, start, end), start, end)
@@ -52,18 +52,23 @@ def floor_loops(shape: Shape, pieces: Sequence[Polygon], cells: PlanCells) -> tu
     return tuple(loops)
 
 
+_SAME_M = 1e-7
+"""A tenth of the length that the solid is simplified by; corners of one place agree far better."""
+
+
 def _wall_at(
     shape: Shape, walls: Sequence[Polygon], start_m: Float[np.ndarray, " 2"], end_m: Float[np.ndarray, " 2"]
 ) -> Polygon:
     """The wall polygon that runs from one corner to the other and faces the inside, to the left."""
-    axis = 0 if start_m[0] == end_m[0] else 1
-    along = 1 - axis
-    outward = int(np.sign(end_m[along] - start_m[along])) * (1 if axis == 0 else -1)
-    low, high = sorted((start_m[along], end_m[along]))
+    along = (end_m - start_m) / np.linalg.norm(end_m - start_m)
+    outward = np.array([along[1], -along[0]])
+    low, high = start_m @ along, end_m @ along
     for wall in walls:
-        ring, plane = wall.rings_m[0], shape.planes[wall.plane]
-        if (plane.axis, plane.outward) == (axis, outward) and ring[0, axis] == start_m[axis]:
-            # Corners are bitwise shared: polygons come from one mesh.
-            if ring[:, along].min() <= low and ring[:, along].max() >= high:
+        ring, plane = wall.rings_m[0][:, :2], shape.planes[wall.plane]
+        if plane.outward * plane.normal[:2] @ outward < 0.5 or abs((ring[0] - start_m) @ outward) > _SAME_M:
+            continue
+        if np.ptp(ring @ outward) < _SAME_M:
+            reach = ring @ along
+            if reach.min() <= low + _SAME_M and reach.max() >= high - _SAME_M:
                 return wall
     raise InputError(NOT_ENCLOSED)

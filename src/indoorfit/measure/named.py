@@ -10,10 +10,11 @@ from indoorfit.model import DimensionKind, FaceKind, Polygon, RoomSolid, Shape, 
 
 @dataclass(frozen=True)
 class Measurand:
-    """A quantity and its derivative with respect to every plane offset (m, m² or m³ per m)."""
+    """A quantity and its derivative with respect to every parameter of the shape (m, m² or m³ per m)."""
 
     value: float
-    gradient: Float[np.ndarray, " planes"]
+    gradient: Float[np.ndarray, " parameters"]
+    """In the order of `Shape.parameters`: plane offsets, then the yaws of oblique planes (per rad)."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class NamedFace:
 
 @dataclass(frozen=True)
 class NamedDimension:
-    """The distance of two parallel faces, before anything is known of its uncertainty."""
+    """The distance of two faces, before anything is known of its uncertainty."""
 
     kind: DimensionKind
     room: str
@@ -66,7 +67,7 @@ class Survey:
 
 def distance(shape: Shape, low: int, high: int) -> Measurand:
     """The distance of two parallel planes, by their indices."""
-    gradient = np.zeros(len(shape.planes))
+    gradient = np.zeros(len(shape.parameters))
     gradient[high] += 1.0
     gradient[low] -= 1.0
     return Measurand(shape.planes[high].offset_m - shape.planes[low].offset_m, gradient)

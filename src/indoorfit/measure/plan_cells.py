@@ -47,62 +47,6 @@ class PlanCells:
         # The first of several as long.
         return np.array(max(found, key=lambda side: side[0])[1])
 
-    def rings_m(self) -> tuple[Float[np.ndarray, "_ 2"], ...]:
-        """The outline: the outer ring counter-clockwise as seen from above, then those of pillars."""
-        following = _edges(self.floor >= 0)
-        rings = []
-        while following:
-            start = min(following)
-            ring, before, here = [start], start, _next(following, start, start)
-            while here != start:
-                ring.append(here)
-                before, here = here, _next(following, before, here)
-            rings.append(np.array([(self.x_m[i], self.y_m[j]) for i, j in _corners(ring)]))
-        return tuple(sorted(rings, key=lambda ring: -float(np.ptp(ring, axis=0).sum())))
-
-
-_Node = tuple[int, int]
-
-
-def _edges(inside: np.ndarray) -> dict[_Node, list[_Node]]:
-    """Directed borders of the cells, the inside to their left, by the node that they begin at."""
-    following: dict[_Node, list[_Node]] = {}
-    padded = np.pad(inside, 1)
-    for i, j in np.argwhere(inside).tolist():
-        for start, end, beside in (
-            ((i, j), (i + 1, j), padded[i + 1, j]),
-            ((i + 1, j), (i + 1, j + 1), padded[i + 2, j + 1]),
-            ((i + 1, j + 1), (i, j + 1), padded[i + 1, j + 2]),
-            ((i, j + 1), (i, j), padded[i, j + 1]),
-        ):
-            if not beside:
-                following.setdefault(start, []).append(end)
-    return following
-
-
-def _next(following: dict[_Node, list[_Node]], before: _Node, here: _Node) -> _Node:
-    """Go on; where two pieces touch by a corner, turn left and stay with one's own."""
-    ways = following[here]
-    came = (here[0] - before[0], here[1] - before[1])
-    ways.sort(key=lambda end: -(came[0] * (end[1] - here[1]) - came[1] * (end[0] - here[0])))
-    chosen = ways.pop(0)
-    if not ways:
-        del following[here]
-    return chosen
-
-
-def _corners(ring: list[_Node]) -> list[_Node]:
-    """Without the nodes in the middle of a straight side, the lowest corner first."""
-    n = len(ring)
-    kept = [
-        node
-        for k, node in enumerate(ring)
-        if not (ring[k - 1][0] == node[0] == ring[(k + 1) % n][0])
-        and not (ring[k - 1][1] == node[1] == ring[(k + 1) % n][1])
-    ]
-    first = kept.index(min(kept))
-    return kept[first:] + kept[:first]
-
 
 def plan_cells(shape: Shape, pieces: Sequence[Polygon]) -> PlanCells:
     """Look down on the level pieces of one room.
@@ -132,9 +76,10 @@ def _covered(piece: Polygon, x_m: Float[np.ndarray, " nx1"], y_m: Float[np.ndarr
     inside = np.zeros((len(x), len(y)), bool)
     for ring in piece.rings_m:
         following = np.roll(ring, -1, axis=0)
-        # Rings are rectilinear: only their sides along y are crossed on the way along x.
-        for (x0, y0, _), (_, y1, _) in zip(ring, following, strict=True):
+        for (x0, y0, _), (x1, y1, _) in zip(ring, following, strict=True):
             if y0 != y1:
                 low, high = sorted((y0, y1))
-                inside ^= (x < x0)[:, None] & ((y > low) & (y < high))[None, :]
+                # Where the side is crossed on the way along x; sides along y, nearly all, in one place.
+                at = np.full(len(y), x0) if x0 == x1 else x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+                inside ^= (x[:, None] < at[None, :]) & ((y > low) & (y < high))[None, :]
     return inside

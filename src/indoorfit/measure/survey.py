@@ -1,7 +1,7 @@
 """What there is to measure in a shape: named faces, dimensions, areas, each with its derivatives.
 
-Every dimension is a difference of plane offsets, and areas and volumes are smooth functions of them, so a
-value and a gradient over the offsets are all that the interval of a measurand needs.
+Every dimension is a difference of plane offsets, or of corners where walls are oblique, and areas and volumes
+are smooth functions of the same parameters, so a value and a gradient over them are all that the interval of a measurand needs.
 """
 
 from collections import Counter
@@ -12,6 +12,7 @@ import numpy as np
 from indoorfit.errors import InputError
 from indoorfit.model import SIDES, Cube, FaceKind, Polygon, RoomSolid, Shape, Side
 
+from .clear_lengths import clear_length, swept
 from .level_dimensions import heights, levels
 from .loops import FloorLoop, floor_loops
 from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey, distance
@@ -36,7 +37,7 @@ def survey(shape: Shape, solids: Sequence[RoomSolid], polygons: Sequence[Sequenc
     for number, (cube, solid, pieces) in enumerate(zip(shape.rooms, solids, polygons, strict=True), start=1):
         room = f"room-{number}"
         cells = plan_cells(shape, pieces)
-        loops = floor_loops(shape, pieces, cells)
+        loops = floor_loops(shape, pieces)
         named = _name_faces(shape, room, pieces, loops, faces)
         faces += named
         by_polygon = {id(face.polygon): face for face in named}
@@ -131,10 +132,12 @@ def _walls(
         n = len(loop.edges)
         for k, edge in enumerate(loop.edges):
             ends = [loop.edges[k - 1], loop.edges[(k + 1) % n]]
-            ends.sort(key=lambda end: shape.planes[end.wall.plane].offset_m)
+            measured = clear_length(shape, ends[0].wall.plane, edge.wall.plane, ends[1].wall.plane)
+            points = [edge.start_m, edge.end_m]
+            # Along x or along y in increasing order, as the lengths of the room's cube are.
+            if tuple(points[1]) < tuple(points[0]):
+                points, ends = points[::-1], ends[::-1]
             planes = (ends[0].wall.plane, ends[1].wall.plane)
-            axis = shape.planes[planes[0]].axis
-            points = sorted((edge.start_m, edge.end_m), key=lambda point: point[axis])
             middle_m = float(np.mean(edge.wall.rings_m[0][:, 2]))
             from_m, to_m = (np.array([p[0], p[1], middle_m]) for p in points)
             found.append(
@@ -146,7 +149,7 @@ def _walls(
                     planes,
                     from_m,
                     to_m,
-                    distance(shape, *planes),
+                    measured,
                 )
             )
     return found
@@ -161,20 +164,16 @@ def _room(
     loops: Sequence[FloorLoop],
 ) -> NamedRoom:
     """Floor area, volume and perimeter (all walls at the floor, pillars included)."""
-    n = len(shape.planes)
-    area, volume, perimeter = np.zeros(n), np.zeros(n), np.zeros(n)
+    area, volume, perimeter = (np.zeros(len(shape.parameters)) for _ in range(3))
     length_m = 0.0
     for piece in pieces:
-        # Moving a face outward by dx adds its area times dx.
-        volume[piece.plane] += shape.planes[piece.plane].outward * piece.area_m2
+        volume += swept(shape, piece.plane, piece.area_m2, piece.rings_m[0].mean(axis=0))
     for loop in loops:
         for k, edge in enumerate(loop.edges):
             edge_m = float(np.linalg.norm(edge.end_m - edge.start_m))
-            area[edge.wall.plane] += shape.planes[edge.wall.plane].outward * edge_m
-            ends = [loop.edges[k - 1].wall.plane, loop.edges[(k + 1) % len(loop.edges)].wall.plane]
-            low, high = sorted(ends, key=lambda plane: shape.planes[plane].offset_m)
-            perimeter[high] += 1.0
-            perimeter[low] -= 1.0
+            area += swept(shape, edge.wall.plane, edge_m, 0.5 * (edge.start_m + edge.end_m))
+            before, after = loop.edges[k - 1].wall.plane, loop.edges[(k + 1) % len(loop.edges)].wall.plane
+            perimeter += clear_length(shape, before, edge.wall.plane, after).gradient
             length_m += edge_m
     floors = [piece.area_m2 for piece in pieces if shape.planes[piece.plane].face_class == "floor"]
     return NamedRoom(

@@ -177,7 +177,7 @@ def _measure(
         in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
         doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
-        wanted = measurands(found, len(shape.planes))
+        wanted = measurands(found, shape)
         values = np.array([measurand.value for measurand in wanted])
         gradients = np.stack([measurand.gradient for measurand in wanted])
         prediction = MeasurandPrediction(belief, values, gradients, type_b, config.belief.inflation)

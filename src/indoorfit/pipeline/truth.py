@@ -51,7 +51,7 @@ def truth_result(
     solids = [subtract_cubes(shape, room) for room in shape.rooms]
     found = survey(shape, solids, [face_polygons(solid) for solid in solids])
     found = with_thicknesses(shape, found)
-    values = np.array([measurand.value for measurand in measurands(found, n)])
+    values = np.array([measurand.value for measurand in measurands(found, shape)])
     result = assemble(
         shape,
         frame,

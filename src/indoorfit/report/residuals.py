@@ -61,9 +61,9 @@ def residuals_of(
     everything, maps = [], []
     for face in result.faces:
         plane = result.shape.planes[face.plane]
-        corners = result.frame.to_manhattan(face.rings_m[0])
+        corners = plane.to_own(result.frame.to_manhattan(face.rings_m[0]))
         low, high = corners.min(axis=0), corners.max(axis=0)
-        own = local[claimed[face.plane]]
+        own = plane.to_own(local[claimed[face.plane]])
         along = [axis for axis in range(3) if axis != plane.axis]
         # A plane may hold several faces; each gets its own points.
         own = own[((own >= low) & (own <= high))[:, along].all(axis=1)]
@@ -82,8 +82,7 @@ def residuals_of(
 
 def _inward(result: FitResult, face: Face) -> float:
     """+1 or -1: the direction into the room along the axis of the face's plane."""
-    normal = result.frame.R_manhattan_scan @ face.normal
-    return float(np.sign(normal[result.shape.planes[face.plane].axis]))
+    return -float(result.shape.planes[face.plane].outward)
 
 
 def _map(

@@ -83,7 +83,8 @@ def face_points(
     places, residuals = [], []
     for plane, own in zip(shape.planes, chosen, strict=True):
         within = [axis for axis in range(3) if axis != plane.axis]
-        places.append(points_m[own][:, within])
-        residuals.append(points_m[own, plane.axis] - plane.offset_m)
+        own_m = plane.to_own(points_m[own])
+        places.append(own_m[:, within])
+        residuals.append(own_m[:, plane.axis] - plane.offset_m)
     frames = None if index is None else tuple(index[own] for own in chosen)
     return FacePoints(tuple(places), tuple(residuals), frames, n_frames)

@@ -113,8 +113,9 @@ def _freed(evidence: Evidence, judged: list[int]) -> tuple[Cells, Float[np.ndarr
     for k, plane in enumerate(judged):
         rows = np.flatnonzero(planes == plane)
         start = ROTATIONS + n_offsets + _SHAPES * k
+        own_m = evidence.shape.planes[plane].to_own(centroids[rows])
         for j, axis in enumerate(a for a in range(3) if a != evidence.shape.planes[plane].axis):
-            along = centroids[rows, axis]
+            along = own_m[:, axis]
             low, high = along.min(), along.max()
             halves_m[k, j] = max(0.5 * (high - low), 1e-3)
             scaled = (along - 0.5 * (low + high)) / halves_m[k, j]
