@@ -62,7 +62,7 @@ def judge(job: Job) -> Outcome:
         curves = isprs_curves(run.result, truth, (0.10,))
         isprs = (curves.completeness[0], curves.correctness[0], curves.accuracy_m[0])
         notes = tuple(sorted({note.code for note in run.result.notes}))
-        faults = _faults(job.suite, comparison, notes)
+        faults = comparison.faults
         others = {
             level: _at_level(comparison.lengths, at_level(run.result, level)) for level in job.levels[1:]
         }
@@ -122,13 +122,6 @@ def _at_level(checks: tuple[LengthCheck, ...], result: FitResult) -> tuple[Lengt
     )
 
 
-def _faults(suite: str, comparison: Comparison, notes: tuple[str, ...]) -> tuple[str, ...]:
-    must_say = SUITES[suite].must_say
-    if must_say is None:
-        return comparison.faults
-    return () if must_say in notes else (f"does not say {must_say}",)
-
-
 def _forget_peak() -> None:
     """Start the count of peak memory anew, where the system can (Linux)."""
     try:
@@ -154,9 +147,10 @@ def _seen(virtual: VirtualScan, truth: FitResult) -> dict[int, bool]:
         areas_m2[face.plane] = areas_m2.get(face.plane, 0.0) + _area_m2(face)
     seen = {}
     for plane, area_m2 in areas_m2.items():
-        axes = [axis for axis in range(3) if axis != virtual.shape.planes[plane].axis]
+        own = virtual.shape.planes[plane]
+        axes = [axis for axis in range(3) if axis != own.axis]
         cells: Int[np.ndarray, "n 2"] = np.floor(
-            in_manhattan_m[virtual.point_plane == plane][:, axes] / _SEEN_CELL_M
+            own.to_own(in_manhattan_m[virtual.point_plane == plane])[:, axes] / _SEEN_CELL_M
         ).astype(int)
         share = len(np.unique(cells, axis=0)) * _SEEN_CELL_M**2 / area_m2
         if share >= _SEEN_SHARE or share < _UNSEEN_SHARE:

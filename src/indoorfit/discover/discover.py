@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from indoorfit.model import FaceClass, Note, Segments, Shape, Surfels
 
 from .candidates import CandidateConfig
 from .labelling import LabelConfig, price_of_one
 from .level_task import LevelConfig
+from .oblique import oblique_lines
 from .overrides import PlanOverrides
 from .planning import find_plan
 from .rooms import RoomConfig, build_shape
@@ -61,9 +64,11 @@ def discover(
     """
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
-    plan = find_plan(surfaces, seen_m2, config.candidates, config.labels, config.rooms, overrides)
+    oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
+    plan = find_plan(surfaces, oblique, seen_m2, config.candidates, config.labels, config.rooms, overrides)
     price = price_of_one(seen_m2, config.labels)
     shape, notes = build_shape(
-        plan.rooms, plan.grid, surfaces, plan.candidates, config.labels, price, config.levels
+        plan.rooms, plan.grid, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels
     )
-    return shape, (*world_notes(segments, classes, config.world), *plan.notes, *notes)
+    modelled = np.array([k for cut in plan.cuts for k in cut.line.segments], int)
+    return shape, (*world_notes(segments, classes, config.world, modelled), *plan.notes, *notes)

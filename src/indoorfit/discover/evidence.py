@@ -179,7 +179,7 @@ def _border_coverage(
         members = wall_m[order[starts[k] : starts[k + 1]]][:, [1 - axis, 2]]
         line, c = divmod(int(k), n_along)
         ends_m = (along.offsets_m[c], along.offsets_m[c + 1])
-        walls[line, c] = _wall_share(members, ends_m, low_m[line, c], surfaces)
+        walls[line, c] = border_share(members, ends_m, low_m[line, c], surfaces)
         under_m = (high_m[line, c] - _UNDER_M, high_m[line, c])
         lintels[line, c] = _band_share(members, ends_m, under_m, surfaces)
     return np.moveaxis(walls, 0, axis), np.moveaxis(lintels, 0, axis)
@@ -212,7 +212,7 @@ def _border_tops(
     return found[0], found[1]
 
 
-def _wall_share(
+def border_share(
     points_m: Float[np.ndarray, "points 2"], ends_m: tuple[float, float], top_m: float, surfaces: Surfaces
 ) -> float:
     """Share of the border's length with wall, the band under the ceiling counting more than the rest."""

@@ -13,6 +13,7 @@ from .evidence import Evidence
 from .labelling import cell_costs, plan_energy
 from .level_task import Grid
 from .minimise import PlanEnergy, minimise
+from .oblique import oblique_lines
 from .overrides import PlanOverrides, outlines
 from .planning import Plan, find_plan
 from .surfaces import find_surfaces
@@ -114,7 +115,8 @@ def explain(
     """
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
-    plan = find_plan(surfaces, seen_m2, config.candidates, config.labels, config.rooms, overrides)
+    oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
+    plan = find_plan(surfaces, oblique, seen_m2, config.candidates, config.labels, config.rooms, overrides)
     energy = plan_energy(plan.evidence, plan.grid, plan.price, config.labels, plan.forbidden)
     odds = -cell_costs(plan.evidence, np.outer(*(np.diff(line) for line in plan.grid)), config.labels)
     candidates = tuple(

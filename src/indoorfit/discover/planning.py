@@ -1,5 +1,6 @@
 """From surfaces to rooms in the plan: candidates, evidence, labels. Discovery and explanation share it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +10,12 @@ from indoorfit.errors import InputError
 from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
+from .cuts import Cut, cut_evidence, find_cuts, neutral
 from .evidence import Evidence, gather_evidence
-from .labelling import Borders, LabelConfig, label_cells, price_of_one, price_of_wall
+from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
+from .minimise import minimise
+from .oblique import ObliqueLine
 from .overrides import (
     PlanOverrides,
     borders_of,
@@ -40,7 +44,9 @@ class Plan:
     price: float
     """Of a wall of the outline, nats."""
     inside: Bool[np.ndarray, "nx ny"]
-    """The labels of least energy."""
+    """The labels of least energy; corners that are cut off count as though they were square."""
+    cuts: tuple[Cut, ...]
+    """Those corners."""
     rooms: list[Bool[np.ndarray, "nx ny"]]
     """What became of the inside: the cells of each room, by decreasing area."""
     notes: tuple[Note, ...]
@@ -58,6 +64,7 @@ class Plan:
 
 def find_plan(
     surfaces: Surfaces,
+    oblique: Sequence[ObliqueLine],
     seen_m2: float,
     candidates: CandidateConfig,
     labels: LabelConfig,
@@ -68,6 +75,7 @@ def find_plan(
 
     Args:
         surfaces: sorted evidence, Manhattan frame.
+        oblique: walls that follow neither axis.
         seen_m2: area of all surfaces that were seen.
         candidates, labels, rooms: settings of the three steps.
         overrides: walls that a person forced or forbade.
@@ -82,12 +90,23 @@ def find_plan(
     lines, partial = _two_each(lines, surfaces)
     price = price_of_wall(lines, labels)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
-    evidence = overridden_evidence(gather_evidence(surfaces, lines), forced, forbidden)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
+
+    def evidence_with(cuts: Sequence[Cut]) -> Evidence:
+        seen = gather_evidence(*cut_evidence(surfaces, lines, cuts))
+        return overridden_evidence(neutral(seen, grid, cuts, labels), forced, forbidden)
+
+    def solve(cuts: Sequence[Cut]) -> tuple[Bool[np.ndarray, "nx ny"], float]:
+        energy = plan_energy(evidence_with(cuts), grid, price, labels, forbidden)
+        inside, _ = minimise(energy, labels.max_open_cells)
+        return inside, energy.of(inside)
+
+    cuts = find_cuts(lines, surfaces, oblique, solve, price, labels)
+    evidence = evidence_with(cuts)
     inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, found_rooms, notes)
+    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, cuts, found_rooms, notes)
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:

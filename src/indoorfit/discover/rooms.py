@@ -1,15 +1,17 @@
 """From labelled cells to the cube grammar, with every plane put where its surfels are."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from indoorfit.errors import InputError
-from indoorfit.geometry import Exposure, Level, exposures, shape_from_plan, with_levels
+from indoorfit.geometry import Exposure, Level, exposures, shape_from_plan, walls_at, with_levels, with_oblique_wall
 from indoorfit.model import Note, Plane, Shape
 
 from .candidates import CandidateConfig
+from .cuts import Cut
 from .evidence import Evidence
 from .labelling import LabelConfig
 from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
@@ -114,6 +116,7 @@ def _walled(
 def build_shape(
     rooms: list[Bool[np.ndarray, "nx ny"]],
     grid: Grid,
+    cuts: Sequence[Cut],
     surfaces: Surfaces,
     candidates: CandidateConfig,
     labels: LabelConfig,
@@ -125,6 +128,7 @@ def build_shape(
     Args:
         rooms: cells of each room.
         grid: lines of the cells.
+        cuts: corners that oblique walls cut off; the cells know nothing of them.
         surfaces: sorted evidence.
         candidates: where the edges of levels may be, as `widened` for this scan.
         labels: chances of seeing what is there.
@@ -137,7 +141,7 @@ def build_shape(
         fallback_m = (surfaces.floor_height_m, surfaces.ceiling_height_m)
         floor, ceiling = (find_levels(task, z_m, config) for task, z_m in zip(tasks, fallback_m, strict=True))
         found.append((floor, ceiling))
-    shape = _stacked(rooms, grid, found)
+    shape = _cut_off(_stacked(rooms, grid, found), cuts)
     planes = [
         _place(plane, exposure, surfaces)
         for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
@@ -171,8 +175,19 @@ def _stacked(
     return with_levels(shape, list(finer[0]), list(finer[1]), masks, levels)
 
 
+def _cut_off(shape: Shape, cuts: Sequence[Cut]) -> Shape:
+    """The shape with oblique walls; a corner that belongs to no room after all stays as it is."""
+    for cut in cuts:
+        between = walls_at(shape, cut.corner)
+        if between is not None:
+            shape = with_oblique_wall(shape, between, cut.yaw_rad, cut.offset_m, cut.opens)
+    return shape
+
+
 def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
     """Move a plane to the median of the surfels on it; without any it is inferred and stays."""
+    if plane.oblique:
+        return plane
     if plane.axis == 2:
         level_m = surfaces.floor_m if plane.outward < 0 else surfaces.ceiling_m
         reach_m = 0.10

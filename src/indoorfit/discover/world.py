@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Int
 
 from indoorfit.model import FaceClass, Note, Segments
 
@@ -22,8 +23,23 @@ class WorldConfig:
     """A level surface between floor and ceiling that is larger is named: no table or bed (2 m by 2 m) is."""
 
 
+def oblique_segments(segments: Segments, config: WorldConfig) -> Bool[np.ndarray, " segments"]:
+    """Upright pieces of the size of a wall that follow neither axis.
+
+    Args:
+        segments: Manhattan frame.
+        config: see `WorldConfig`.
+    """
+    off_axis = np.abs(segments.normals).max(axis=1, initial=0.0) < np.cos(np.deg2rad(config.off_axis_deg))
+    upright = np.abs(segments.normals[:, 2]) < np.sin(np.deg2rad(config.off_axis_deg))
+    return off_axis & upright & (segments.areas_m2 >= config.min_segment_m2)
+
+
 def world_notes(
-    segments: Segments, classes: tuple[FaceClass | None, ...], config: WorldConfig
+    segments: Segments,
+    classes: tuple[FaceClass | None, ...],
+    config: WorldConfig,
+    modelled: Int[np.ndarray, " _"],
 ) -> tuple[Note, ...]:
     """Warn of oblique walls, of sloped or vaulted surfaces overhead, and of floors half-way up.
 
@@ -31,6 +47,7 @@ def world_notes(
         segments: Manhattan frame.
         classes: of these segments.
         config: see `WorldConfig`.
+        modelled: oblique segments that are walls of the model.
     """
     large = segments.areas_m2 >= config.min_segment_m2
     normals, areas_m2 = segments.normals[large], segments.areas_m2[large]
@@ -38,7 +55,9 @@ def world_notes(
     limit = np.cos(np.deg2rad(config.off_axis_deg))
     along = np.abs(normals).max(axis=1, initial=0.0)
     upright = np.abs(normals[:, 2]) < np.sin(np.deg2rad(config.off_axis_deg))
-    oblique = upright & (along < limit)
+    missing = oblique_segments(segments, config)
+    missing[modelled] = False
+    oblique = missing[large]
     sloped = ~upright & (along < limit) & (heights_m > 0.0)
     overhead = sloped | ((np.abs(normals[:, 2]) >= limit) & (heights_m > 0.0))
     return (

@@ -1,7 +1,9 @@
 """Two models of one scan in one set of axes: the truth's Manhattan frame."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import manifold3d as m3
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
@@ -26,10 +28,13 @@ class Alignment:
     angle_rad: float
     """Angle of the neglected rotation; anything above a few degrees means that the axes were not found."""
 
+    def points_m(self, points_m: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 3"]:
+        """Points, from the model's to the truth's Manhattan frame."""
+        return (points_m - self.pivot_model_m) @ self.turn.T + self.pivot_truth_m
+
     def boxes_m(self, boxes_m: Float[np.ndarray, "boxes 2 3"]) -> Float[np.ndarray, "boxes 2 3"]:
         """Low and high corners, from the model's to the truth's Manhattan frame."""
-        turned = (boxes_m - self.pivot_model_m) @ self.turn.T + self.pivot_truth_m
-        return np.sort(turned, axis=1)
+        return np.sort(self.points_m(boxes_m.reshape(-1, 3)).reshape(-1, 2, 3), axis=1)
 
 
 def align(model: FitResult, truth: FitResult) -> Alignment:
@@ -48,20 +53,13 @@ def align(model: FitResult, truth: FitResult) -> Alignment:
 
 @dataclass(frozen=True)
 class FlatFace:
-    """A face as rectangles that do not overlap, in the truth's Manhattan frame."""
+    """A face as a polygon, in the truth's Manhattan frame."""
 
     face: Face
-    axis: int
-    """The axis that the face is perpendicular to."""
-    inward: int
-    """+1 or -1: the direction along `axis` that leads into the room."""
-    cells_m: Float[np.ndarray, "cells 2 3"]
-    """Low and high corners; flat along `axis`."""
-
-    @property
-    def offset_m(self) -> float:
-        """Where the plane cuts `axis`."""
-        return float(self.cells_m[0, 0, self.axis])
+    inward: Float[np.ndarray, " 3"]
+    """Unit vector into the room."""
+    rings_m: tuple[Float[np.ndarray, "_ 3"], ...]
+    """The outer ring first, then holes."""
 
     @property
     def area_m2(self) -> float:
@@ -69,38 +67,56 @@ class FlatFace:
         return self.overlap_m2(self)
 
     def overlap_m2(self, other: "FlatFace") -> float:
-        """Area that two faces of one axis share when seen along it; exact."""
-        across = [axis for axis in range(3) if axis != self.axis]
-        own, their = self.cells_m[:, None, :, across], other.cells_m[None, :, :, across]
-        low = np.maximum(own[:, :, 0], their[:, :, 0])
-        high = np.minimum(own[:, :, 1], their[:, :, 1])
-        return float(np.prod(np.maximum(high - low, 0.0), axis=-1).sum())
+        """Area that two faces share when seen along this one's normal; exact."""
+        # One axis upright, or along x for floors; which does not matter.
+        up = np.eye(3)[2] if abs(self.inward[2]) < 0.5 else np.eye(3)[0]
+        basis = np.stack([np.cross(up, self.inward), up], axis=1)
+        own, their = (
+            m3.CrossSection([ring @ basis for ring in face.rings_m], m3.FillRule.EvenOdd)
+            for face in (self, other)
+        )
+        return float((own ^ their).area())
+
+    def distance_m(self, other: "FlatFace") -> float:
+        """How far the middle of another face lies before this one's plane, towards the room."""
+        middles_m = [0.5 * (f.rings_m[0].min(axis=0) + f.rings_m[0].max(axis=0)) for f in (self, other)]
+        return float((middles_m[1] - middles_m[0]) @ self.inward)
+
+    def same_way(self, other: "FlatFace") -> bool:
+        """Whether two faces look in one direction, up to what tells an oblique wall from the others."""
+        return float(self.inward @ other.inward) > _SAME_WAY
+
+    @property
+    def cells_m(self) -> Float[np.ndarray, "cells 2 3"]:
+        """Boxes that hold the face, low and high corner: flat, and exact, where it follows the axes.
+
+        Along oblique sides they are strips of half a decimetre, which an oblique wall crosses diagonally.
+        """
+        return _boxes(self.rings_m, int(np.argmax(np.abs(self.inward))))
 
 
 def flat_faces(result: FitResult, alignment: Alignment | None = None) -> tuple[FlatFace, ...]:
-    """All faces of a model as rectangles.
+    """All faces of a model.
 
     Args:
-        result: its rings must follow its own Manhattan axes, as those of every fit and every truth do.
+        result: the model.
         alignment: from this model's frame to another one's; None to stay in its own.
     """
     faces = []
     for face in result.faces:
         rings_m = [result.frame.to_manhattan(ring) for ring in face.rings_m]
         inward = result.frame.R_manhattan_scan @ face.normal
-        axis = int(np.argmax(np.abs(inward)))
-        cells_m = _rectangles(rings_m, axis)
         if alignment is not None:
-            cells_m, inward = alignment.boxes_m(cells_m), alignment.turn @ inward
-            axis = int(np.argmax(np.abs(inward)))
-        faces.append(FlatFace(face, axis, 1 if inward[axis] > 0.0 else -1, cells_m))
+            rings_m, inward = [alignment.points_m(ring) for ring in rings_m], alignment.turn @ inward
+        faces.append(FlatFace(face, inward, tuple(rings_m)))
     return tuple(faces)
 
 
-def _rectangles(rings_m: list[Float[np.ndarray, "_ 3"]], axis: int) -> Float[np.ndarray, "cells 2 3"]:
+def _boxes(rings_m: Sequence[Float[np.ndarray, "_ 3"]], axis: int) -> Float[np.ndarray, "cells 2 3"]:
     """The cells of the rings' own grid that lie inside by the even-odd rule."""
     first, second = (a for a in range(3) if a != axis)
-    corners = np.concatenate(rings_m)
+    cut = [_cut(ring) for ring in rings_m]
+    corners = np.concatenate(cut)
     u, v = _lines(corners[:, first]), _lines(corners[:, second])
     u_mid, v_mid = 0.5 * (u[1:] + u[:-1]), 0.5 * (v[1:] + v[:-1])
     inside = np.zeros((len(u_mid), len(v_mid)), bool)
@@ -108,13 +124,43 @@ def _rectangles(rings_m: list[Float[np.ndarray, "_ 3"]], axis: int) -> Float[np.
         ends = np.roll(ring, -1, axis=0)
         for start, end in zip(ring, ends, strict=True):
             low, high = sorted((start[second], end[second]))
-            # An edge along `first` straddles no row of cells, so only edges along `second` count.
-            inside ^= (v_mid > low) & (v_mid < high) & (u_mid[:, None] > start[first])
+            # An edge along `first` straddles no row of cells, so only those that rise along `second` count.
+            rise = end[second] - start[second]
+            share = (v_mid - start[second]) / (rise if rise != 0.0 else 1.0)
+            crossed = start[first] + share * (end[first] - start[first])
+            inside ^= (v_mid > low) & (v_mid < high) & (u_mid[:, None] > crossed)
     i, j = np.nonzero(inside)
     cells = np.full((len(i), 2, 3), float(np.mean(corners[:, axis])))
     cells[:, 0, first], cells[:, 1, first] = u[i], u[i + 1]
     cells[:, 0, second], cells[:, 1, second] = v[j], v[j + 1]
+    if np.ptp(corners[:, axis]) > _STRIP_M:
+        # The wall itself is oblique: upright strips, each as thick as it is deep.
+        at = np.array([np.interp(edge, *_foot(corners, first, axis)) for edge in cells[:, :, first].T]).T
+        cells[:, :, axis] = np.sort(at, axis=1)
     return cells
+
+
+_STRIP_M = 0.05
+"""Width of the strips along an oblique side, as of the cells that are sampled."""
+_SAME_WAY = float(np.cos(np.radians(8.0)))
+
+
+def _cut(ring_m: Float[np.ndarray, "_ 3"]) -> Float[np.ndarray, "_ 3"]:
+    """A ring with corners every few centimetres along its oblique sides."""
+    pieces = []
+    for start, end in zip(ring_m, np.roll(ring_m, -1, axis=0), strict=True):
+        across = np.sort(np.abs(end - start))
+        n = max(1, int(np.ceil(across[1] / _STRIP_M - 1e-9))) if across[1] > _SAME_M else 1
+        pieces.append(start + np.arange(n)[:, None] / n * (end - start))
+    return np.concatenate(pieces)
+
+
+def _foot(
+    corners: Float[np.ndarray, "n 3"], first: int, axis: int
+) -> tuple[Float[np.ndarray, " m"], Float[np.ndarray, " m"]]:
+    """An oblique wall as a line: its places along one axis, and along the other one."""
+    along, index = np.unique(corners[:, first], return_index=True)
+    return along, corners[index, axis]
 
 
 def _lines(values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lines"]:
@@ -123,8 +169,8 @@ def _lines(values: Float[np.ndarray, " n"]) -> Float[np.ndarray, " lines"]:
 
 
 def boxes_of(shape: Shape, alignment: Alignment | None = None) -> dict[str, Float[np.ndarray, "2 3"]]:
-    """Low and high corner of every cube, by id."""
-    bounds = shape.bounds_m()
+    """Low and high corner of every cube, by id; those behind oblique walls are left out."""
+    bounds = shape.squared.bounds_m()
     if alignment is None:
         return bounds
     return {name: alignment.boxes_m(box[None])[0] for name, box in bounds.items()}

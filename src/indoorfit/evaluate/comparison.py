@@ -52,7 +52,8 @@ class Comparison:
     """True faces that the scan does not show, or hardly, with that in words."""
     footprint_iou: float
     solid_iou: float
-    """Over all rooms together; boxes turned by `turn_rad` are taken as parallel."""
+    """Over all rooms together; boxes turned by `turn_rad` are taken as parallel, and corners that oblique
+    walls cut off as square."""
     turn_rad: float
     """Angle between the axes of the two models, right angles left out."""
     watertight: bool
@@ -102,10 +103,11 @@ def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None 
     boxes, true_boxes = boxes_of(model.shape, alignment), boxes_of(truth.shape)
     lines_m = common_grid(boxes, true_boxes)
     cells = {
-        room.id: occupied(model.shape, _cube(model.shape, room.cube), boxes, lines_m) for room in model.rooms
+        room.id: occupied(model.shape.squared, _cube(model.shape, room.cube), boxes, lines_m)
+        for room in model.rooms
     }
     true_cells = {
-        room.id: occupied(truth.shape, _cube(truth.shape, room.cube), true_boxes, lines_m)
+        room.id: occupied(truth.shape.squared, _cube(truth.shape, room.cube), true_boxes, lines_m)
         for room in truth.rooms
     }
     whole, true_whole = (np.logical_or.reduce(list(part.values())) for part in (cells, true_cells))

@@ -129,9 +129,10 @@ def _sample(on: FitResult, to: FitResult, kinds: Collection[FaceKind], spacing_m
     for face in flat_faces(on):
         if face.face.kind in kinds:
             for low, high in face.cells_m:
-                middles, area = _grid(low, high, face.axis, spacing_m)
+                middles, area = _grid(low, high, int(np.argmax(np.abs(face.inward))), spacing_m)
                 points.append(middles)
-                areas.append(np.full(len(middles), area))
+                # An oblique wall is longer than what its strips show along one axis.
+                areas.append(np.full(len(middles), area / np.max(np.abs(face.inward))))
     boxes = [face.cells_m for face in flat_faces(to) if face.face.kind in kinds]
     in_scan_m = on.frame.to_scan(np.concatenate(points))
     distances_m = _distances_m(to.frame.to_manhattan(in_scan_m), boxes)
@@ -142,7 +143,7 @@ def _grid(
     low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], axis: int, spacing_m: float
 ) -> tuple[Float[np.ndarray, "cells 3"], float]:
     """Middles of equal cells of about the spacing that fill a rectangle, and the area of one."""
-    lines = [np.array([low[axis]])] * 3
+    lines = [np.array([0.5 * (low[axis] + high[axis])])] * 3
     area = 1.0
     for k in range(3):
         if k != axis:

@@ -83,11 +83,11 @@ def _relations(
     for i, true in enumerate(truth):
         own = true.area_m2
         for j, found in enumerate(model):
-            if (true.axis, true.inward) != (found.axis, found.inward):
+            if not true.same_way(found):
                 continue
             both = true.overlap_m2(found)
             overlap[i, j] = both / (own + areas[j] - both)
-            distance_m[i, j] = true.inward * (found.offset_m - true.offset_m)
+            distance_m[i, j] = true.distance_m(found)
     return overlap, distance_m
 
 

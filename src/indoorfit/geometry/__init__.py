@@ -7,5 +7,6 @@ from .exposures import corner_of as corner_of
 from .exposures import exposures as exposures
 from .levels import Level as Level
 from .levels import with_levels as with_levels
+from .oblique import walls_at as walls_at
 from .oblique import with_oblique_wall as with_oblique_wall
 from .plan import shape_from_plan as shape_from_plan

@@ -8,7 +8,8 @@ from jaxtyping import Float
 from indoorfit.model import SIDES, Cube, Plane, Shape, Side
 
 from .boxes import room_of_planes
-from .exposures import corner_of
+from .exposure import Corner
+from .exposures import corner_of, exposures
 
 
 def with_oblique_wall(
@@ -38,6 +39,36 @@ def with_oblique_wall(
     planes = (*shape.planes, Plane(0, 1, offset_m, yaw_rad=_principal(yaw_rad)))
     middle_m = corner_of(Shape(planes, (*shape.cubes, cube)), cube).corners_m.mean(axis=0)
     return Shape(planes, (*shape.cubes, replace(cube, parent=_holder(shape, room, middle_m, opens))))
+
+
+_SAME_M = 1e-9
+"""Coordinates that agree to a nanometre are meant to be the same."""
+
+
+def walls_at(shape: Shape, corner: Corner) -> tuple[int, int] | None:
+    """The walls across x and across y that meet in the tip of a corner; None where there is no such corner.
+
+    Args:
+        shape: the grammar, before that corner is cut off.
+        corner: its first end lies on the wall across x, its second on the one across y.
+    """
+    found: list[int] = []
+    tip_m = corner.corners_m[2]
+    for axis in (0, 1):
+        away = np.sign(tip_m - corner.corners_m[1 - axis])[axis]
+        # What stands in the room is left through its walls the other way round.
+        outward = -away if corner.floor else away
+        middle_m = 0.5 * (corner.corners_m[axis] + tip_m)
+        for exposure in exposures(shape):
+            plane = shape.planes[exposure.plane]
+            same = (plane.axis, plane.outward, plane.oblique) == (axis, outward, False)
+            if same and abs(plane.offset_m - tip_m[axis]) < _SAME_M:
+                heights_m = 0.5 * (exposure.v_m[1:] + exposure.v_m[:-1])
+                places_m = np.column_stack([np.tile(middle_m, (len(heights_m), 1)), heights_m])
+                if exposure.contains(places_m).any():
+                    found.append(exposure.plane)
+                    break
+    return (found[0], found[1]) if len(found) == 2 else None
 
 
 def _principal(angle_rad: float) -> float:

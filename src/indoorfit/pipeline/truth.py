@@ -16,7 +16,7 @@ from indoorfit.measure import (
     with_thicknesses,
 )
 from indoorfit.model import FitResult, Frame, Note, Shape
-from indoorfit.simulate import VirtualScan, cut_planes, seen_of_planes
+from indoorfit.simulate import VirtualScan, seen_of_planes
 from indoorfit.solid import face_polygons, subtract_cubes
 
 from .provenance import package_version
@@ -83,19 +83,6 @@ def _unseen(shape: Shape, found: Survey) -> tuple[Note, ...]:
 def _beyond_the_model(found: Survey, seen: VirtualScan | None) -> tuple[Note, ...]:
     """What holds for the scan and cannot be said by cubes."""
     notes = []
-    if seen is not None and seen.scene is not None and not seen.manhattan:
-        cut = cut_planes(seen.scene, seen.shape)
-        wrong = [face.id for face in found.faces if face.polygon.plane in cut]
-        exact = [face.id for face in found.faces if face.polygon.plane not in cut]
-        notes.append(
-            Note(
-                "OBLIQUE_WALLS",
-                f"The scene has {len(seen.scene.oblique_walls)} oblique wall(s); this model is the room "
-                f"without them. Exact: {', '.join(exact) or 'no face'}. Exact only as planes, for an oblique "
-                f"wall cuts a part off: {', '.join(wrong) or 'no face'}; areas, volumes and clear lengths of "
-                "walls that rest on these are not those of the scene.",
-            )
-        )
     if seen is not None and seen.scale_error != 0.0:
         notes.append(
             Note(

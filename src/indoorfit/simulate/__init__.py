@@ -41,7 +41,6 @@ from .scene import write_scene as write_scene
 from .scene_build import BuiltScene as BuiltScene
 from .scene_build import build_scene as build_scene
 from .scene_shape import scene_shape as scene_shape
-from .seen import cut_planes as cut_planes
 from .seen import seen_of_planes as seen_of_planes
 from .sensors import SENSOR_PRESETS as SENSOR_PRESETS
 from .sensors import Sensor as Sensor

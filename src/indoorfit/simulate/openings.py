@@ -36,7 +36,7 @@ def pierced(scene: Scene, shape: Shape, found: tuple[Exposure, ...], opening: Op
     walls = []
     for exposure in found:
         plane = shape.planes[exposure.plane]
-        if plane.axis != axis or abs(plane.offset_m - at_m) > opening.reach_m:
+        if plane.axis != axis or plane.oblique or abs(plane.offset_m - at_m) > opening.reach_m:
             continue
         i, j = np.nonzero(exposure.mask)
         bounds = (

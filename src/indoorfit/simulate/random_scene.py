@@ -36,7 +36,7 @@ class RandomSceneSettings:
     beam: bool = False
     """Whether a beam of 20 to 40 cm crosses below the ceiling."""
     oblique: bool = False
-    """Whether a corner is cut off at about 45 degrees: then the room is not a Manhattan world."""
+    """Whether a corner is cut off at about 45 degrees."""
     uneven_m: float = 0.0
     """Bow and tilt of every wall, at most; 0.01 is what DIN 18202 allows over 4 m."""
     room: RandomRoomSettings = DEFAULT_RANDOM_ROOM

@@ -96,6 +96,11 @@ def sample_surface(
 
 
 def _check(shape: Shape, settings: SamplingSettings) -> None:
+    if shape.oblique:
+        raise ConfigError(
+            "simulate: points are drawn from rectangles along the axes, and the shape has oblique walls. "
+            "Fix: scan it as a scene (virtual_scan)."
+        )
     if settings.n_points < 1 or settings.sigma_m < 0.0 or not 0.0 <= settings.outlier_share < 1.0:
         raise ConfigError(
             f"simulate: n_points {settings.n_points}, sigma_m {settings.sigma_m:g}, outlier_share "

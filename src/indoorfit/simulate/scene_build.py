@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool
 
-from indoorfit.geometry import Exposure, exposures, room_of_planes
-from indoorfit.model import Shape
+from indoorfit.geometry import Corner, Exposure, exposures, room_of_planes
+from indoorfit.model import Plane, Shape
 
 from .furniture import add_furniture
 from .openings import Rect, add_openings, pierced, without
@@ -43,9 +43,14 @@ def build_scene(scene: Scene) -> BuiltScene:
     rooms = room_of_planes(shape)
     for exposure in found:
         plane = shape.planes[exposure.plane]
+        if plane.oblique:
+            surfaces.append(Surface(colour=_WALL_COLOUR))
+            _add_oblique(quads, exposure, plane)
+            continue
         surfaces.append(_surface(scene, shape, exposure, home[rooms[exposure.plane]]))
         cut = [hole.rect for opening in holes for hole in opening if hole.plane == exposure.plane]
-        for rect in rectangles(exposure):
+        opened = [_behind(corner) for corner in exposure.corners if corner.floor]
+        for rect in [*rectangles(exposure), *opened]:
             for piece in without(rect, cut):
                 low = np.insert([piece[0], piece[2]], plane.axis, plane.offset_m)
                 high = np.insert([piece[1], piece[3]], plane.axis, plane.offset_m)
@@ -54,7 +59,6 @@ def build_scene(scene: Scene) -> BuiltScene:
                 )
     for opening, walls in zip(scene.openings, holes, strict=True):
         add_openings(quads, surfaces, shape, opening, walls)
-    _add_oblique(quads, surfaces, scene)
     for item in scene.furniture:
         surfaces.append(Surface(colour=item.colour, texture="grain"))
         add_furniture(quads, item, len(surfaces) - 1)
@@ -104,12 +108,14 @@ def _surface(scene: Scene, shape: Shape, exposure: Exposure, room: int) -> Surfa
     )  # fmt: skip
 
 
-def _add_oblique(quads: QuadList, surfaces: list[Surface], scene: Scene) -> None:
-    for wall in scene.oblique_walls:
-        room = scene.rooms[wall.room]
-        start, end = np.array(wall.start_m), np.array(wall.end_m)
-        edge = np.array([*(end - start), 0.0])
-        left = np.array([-edge[1], edge[0], 0.0])
-        up = np.array([0.0, 0.0, room.ceiling_m - room.floor_m])
-        surfaces.append(Surface(colour=_WALL_COLOUR))
-        quads.add(np.array([*start, room.floor_m]), edge, up, left, len(surfaces) - 1)
+def _add_oblique(quads: QuadList, exposure: Exposure, plane: Plane) -> None:
+    for u0, u1, v0, v1 in rectangles(exposure):
+        own_m = np.array([[plane.offset_m, u0, v0], [0.0, u1 - u0, 0.0], [0.0, 0.0, v1 - v0]])
+        corner, along, up = plane.from_own(own_m)
+        quads.add(corner, along, up, -plane.outward * plane.normal, exposure.plane, exposure.plane)
+
+
+def _behind(corner: Corner) -> Rect:
+    """The rectangle around the corner that an oblique wall opens; what is too much of it nobody can see."""
+    (x0, y0), (x1, y1) = corner.corners_m.min(axis=0), corner.corners_m.max(axis=0)
+    return float(x0), float(x1), float(y0), float(y1)

@@ -6,17 +6,17 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from indoorfit.errors import ConfigError
-from indoorfit.geometry import exposures, shape_from_plan
+from indoorfit.geometry import Corner, exposures, shape_from_plan, walls_at, with_oblique_wall
 from indoorfit.model import Cube, Plane, Shape, Side
 
-from .scene import RoomPlan, Scene, Step
+from .scene import ObliqueWall, RoomPlan, Scene, Step
 
 _TOUCHING_M = 1e-9
 """Coordinates of a scene that agree to a nanometre are meant to be the same."""
 
 
 def scene_shape(scene: Scene) -> Shape:
-    """Rooms, notches, pillars and steps of a scene, Manhattan frame.
+    """Rooms, notches, pillars, steps and oblique walls of a scene, Manhattan frame.
 
     Raises:
         ConfigError: a room's plan is not a plan, or a step lies outside its room.
@@ -32,7 +32,27 @@ def scene_shape(scene: Scene) -> Shape:
     shape = shape_from_plan(x_lines.tolist(), y_lines.tolist(), masks, z_ranges)
     for step in scene.steps:
         shape = _with_step(scene.name, shape, step)
+    for wall in scene.oblique_walls:
+        shape = _with_oblique(scene.name, shape, wall)
     return shape
+
+
+def _with_oblique(name: str, shape: Shape, wall: ObliqueWall) -> Shape:
+    start_m, end_m = np.array(wall.start_m), np.array(wall.end_m)
+    across_m = end_m - start_m
+    outward = np.array([across_m[1], -across_m[0]]) / np.linalg.norm(across_m)
+    for tip_m in (np.array([start_m[0], end_m[1]]), np.array([end_m[0], start_m[1]])):
+        on_x, on_y = (start_m, end_m) if tip_m[0] == start_m[0] else (end_m, start_m)
+        # On the side of the room the tip is that of something standing in it.
+        opens = bool(outward @ (tip_m - start_m) < 0.0)
+        between = walls_at(shape, Corner(np.stack([on_x, on_y, tip_m]), opens))
+        if between is not None:
+            yaw_rad = float(np.arctan2(outward[1], outward[0]))
+            return with_oblique_wall(shape, between, yaw_rad, float(outward @ start_m), opens)
+    raise ConfigError(
+        f"{name}: an oblique wall from {wall.start_m} to {wall.end_m}, which cuts no corner off. Fix: begin "
+        "and end on two walls that meet in a corner, one across x and one across y."
+    )
 
 
 def room_mask(room: RoomPlan) -> Bool[np.ndarray, "nx ny"]:

@@ -5,9 +5,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
 from indoorfit.geometry import Exposure, exposures
-from indoorfit.model import Shape
 
-from .scene import ObliqueWall, Scene
 from .virtual import VirtualScan
 
 _MIN_REACH_M = 0.05
@@ -35,7 +33,7 @@ def seen_of_planes(
     reach_m = max(_MIN_REACH_M, 2.0 * float(spacing_m))
     for exposure in found:
         k, axis = exposure.plane, exposure.axis
-        here_m = points_m[virtual.point_plane == k]
+        here_m = virtual.shape.planes[k].to_own(points_m[virtual.point_plane == k])
         off_m = here_m[:, axis] - virtual.shape.planes[k].offset_m
         near = _inliers(off_m)
         n_points[k] = int(near.sum())
@@ -71,41 +69,3 @@ def _coverage(exposure: Exposure, points_m: Float[np.ndarray, "points 3"], reach
     centres_m[:, axes] = low_m + (np.argwhere(np.ones(cells, bool)) + 0.5) * size_m
     inside = exposure.contains(centres_m).reshape(cells)
     return float((distance_m <= reach_m)[inside].mean()) if inside.any() else 0.0  # type: ignore[operator]
-
-
-def cut_planes(scene: Scene, shape: Shape) -> set[int]:
-    """Planes of the shape of which oblique walls cut a part off.
-
-    Args:
-        scene: holds the oblique walls.
-        shape: its shape, which knows nothing of them.
-    """
-    found = exposures(shape)
-    return {
-        exposure.plane
-        for wall in scene.oblique_walls
-        for exposure in found
-        if _is_cut(scene, shape, exposure, wall)
-    }
-
-
-def _is_cut(scene: Scene, shape: Shape, exposure: Exposure, wall: ObliqueWall) -> bool:
-    """Whether part of a plane lies in the triangle between an oblique wall and the corner behind it."""
-    plane = shape.planes[exposure.plane]
-    start, end = np.array(wall.start_m), np.array(wall.end_m)
-    corners = np.array([[start[0], end[1]], [end[0], start[1]]])
-    along = end - start
-    right = along[0] * (corners[:, 1] - start[1]) - along[1] * (corners[:, 0] - start[0]) < 0.0
-    corner = corners[right][0]
-    room = scene.rooms[wall.room]
-    if plane.axis == 2:
-        places = [(start + end + corner) / 3.0]
-        heights_m = [plane.offset_m]
-        if not room.floor_m - 1e-9 <= plane.offset_m <= room.ceiling_m + 1e-9:
-            return False
-    else:
-        places = [0.5 * (start + corner), 0.5 * (end + corner)]
-        places = [place for place in places if abs(place[plane.axis] - plane.offset_m) < 1e-6]
-        heights_m = [room.floor_m + share * (room.ceiling_m - room.floor_m) for share in (0.01, 0.5, 0.99)]
-    points_m = np.array([[*place, z] for place in places for z in heights_m])
-    return bool(len(points_m)) and bool(exposure.contains(points_m).any())

@@ -29,8 +29,3 @@ class VirtualScan:
     """What was scanned; None where points were only drawn from `shape`."""
     scale_error: float = 0.0
     """The scan is larger than `shape` by this share."""
-
-    @property
-    def manhattan(self) -> bool:
-        """False where the room has surfaces that `shape` cannot hold (oblique walls)."""
-        return self.scene is None or not self.scene.oblique_walls

@@ -1,0 +1,288 @@
+"""Corners that oblique walls cut off: decided by the same energy as the plan.
+
+An oblique wall between a wall across x and one across y cuts a corner off, of the room or of something that
+stands in it. With the cut, nothing that was seen in that triangle counts for or against its cells, the wall
+itself counts as every other, and the outline has one wall more. The cut stays if the plan of least energy with
+it has less energy than the one without.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from indoorfit.geometry import Corner
+
+from .candidates import Lines, end_reach
+from .evidence import Evidence, border_share, cell_coverage
+from .labelling import LabelConfig, cell_costs, log_odds
+from .level_task import Grid
+from .oblique import ObliqueLine
+from .surfaces import Surfaces
+
+_NEAREST = 2
+"""Walls that each end of an oblique wall is tried on: where it is hidden near the corner, a step before the
+right one may be nearer."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """One corner without its tip."""
+
+    line: ObliqueLine
+    at: tuple[int, int]
+    """The candidates across x and across y that meet in the corner."""
+    outward: Float[np.ndarray, " 2"]
+    """Unit vector out of the room through the oblique wall."""
+    corner: Corner
+    own_nats: float
+    """Cost of the wall itself, and of what it opens; without its price."""
+
+    @property
+    def opens(self) -> bool:
+        """Whether the edge of something in the room is cut off, so that the triangle is room."""
+        return self.corner.floor
+
+    @property
+    def yaw_rad(self) -> float:
+        """Direction out of the room."""
+        return float(np.arctan2(self.outward[1], self.outward[0]))
+
+    @property
+    def offset_m(self) -> float:
+        """Along that direction."""
+        return float(self.outward @ (self.line.offset_m * self.line.normal))
+
+    def cells(self, grid: Grid) -> Float[np.ndarray, "nx ny"]:
+        """Share of every cell of the plan that lies in the triangle."""
+        share = np.zeros((len(grid[0]) - 1, len(grid[1]) - 1))
+        low_m, high_m = self.corner.corners_m.min(axis=0), self.corner.corners_m.max(axis=0)
+        first, last = (
+            [int(np.clip(np.searchsorted(grid[a], at[a], side=side) - 1, 0, share.shape[a] - 1)) for a in (0, 1)]
+            for at, side in ((low_m, "right"), (high_m, "left"))
+        )
+        for i, j in product(range(first[0], last[0] + 1), range(first[1], last[1] + 1)):
+            ends = (grid[0][i], grid[1][j]), (grid[0][i + 1], grid[1][j + 1])
+            area_m2 = (ends[1][0] - ends[0][0]) * (ends[1][1] - ends[0][1])
+            share[i, j] = self.corner.area_in_m2(*ends) / area_m2
+        return share
+
+
+def find_cuts(
+    lines: tuple[Lines, Lines],
+    surfaces: Surfaces,
+    oblique: Sequence[ObliqueLine],
+    solve: Callable[[Sequence[Cut]], tuple[Bool[np.ndarray, "nx ny"], float]],
+    price: float,
+    config: LabelConfig,
+) -> tuple[Cut, ...]:
+    """The corners that are cut off in the plan of least energy, taken one by one.
+
+    Args:
+        lines: candidates across x and across y.
+        surfaces: sorted evidence.
+        oblique: walls that follow neither.
+        solve: the best labels of the plan with some corners cut off, and their energy, nats.
+        price: of a wall, nats.
+        config: chances of seeing what is there.
+    """
+    grid = (lines[0].offsets_m, lines[1].offsets_m)
+    found: list[Cut] = []
+    tried = [
+        cut for line in oblique for cut in _possible(line, grid, surfaces, config) if cut.own_nats + price < 0.0
+    ]
+    if not tried:
+        return ()
+    _, least = solve(())
+    ranked = sorted(((_energy(solve, [cut], grid, price), k) for k, cut in enumerate(tried)))
+    for _, k in ranked:
+        cut = tried[k]
+        if any(cut.line is other.line or _overlap(cut, other, grid) for other in found):
+            continue
+        energy = _energy(solve, [*found, cut], grid, price)
+        if energy < least:
+            least = energy
+            found.append(cut)
+    return tuple(found)
+
+
+def _energy(
+    solve: Callable[[Sequence[Cut]], tuple[Bool[np.ndarray, "nx ny"], float]],
+    cuts: Sequence[Cut],
+    grid: Grid,
+    price: float,
+) -> float:
+    """Least energy of a plan with these corners cut off; infinite where it has no such corners."""
+    inside, energy = solve(cuts)
+    if not all(_fits(cut, inside, grid) for cut in cuts):
+        return np.inf
+    return energy + sum(cut.own_nats + price for cut in cuts)
+
+
+def _overlap(first: Cut, second: Cut, grid: Grid) -> bool:
+    return bool(np.any((first.cells(grid) > 0.0) & (second.cells(grid) > 0.0)))
+
+
+def _possible(line: ObliqueLine, grid: Grid, surfaces: Surfaces, config: LabelConfig) -> Iterator[Cut]:
+    """All corners that one oblique wall may cut off: on either side, of the room or of what stands in it."""
+    reach_m = end_reach(surfaces)
+    for away in (line.normal, -line.normal):
+        sign = np.sign(away)
+        # The end that lies farther towards the corner along x meets the wall across x.
+        ends = line.ends_m[np.argsort(-sign[0] * line.ends_m[:, 0])]
+        walls = [_beyond(grid[a], ends[a, a], sign[a], reach_m) for a in (0, 1)]
+        for i, j in product(*walls):
+            tip_m = np.array([grid[0][i], grid[1][j]])
+            if away @ tip_m <= away @ (line.offset_m * line.normal) + reach_m:
+                continue
+            corners_m = np.array([_on(line, 0, tip_m[0]), _on(line, 1, tip_m[1]), tip_m])
+            wall_nats = _wall_nats(line, corners_m[:2], surfaces, config)
+            yield Cut(line, (i, j), away, Corner(corners_m, floor=False), wall_nats)
+            opened = Cut(line, (i, j), -away, Corner(corners_m, floor=True), wall_nats)
+            yield replace(opened, own_nats=wall_nats + _opened_nats(opened, grid, surfaces, config))
+
+
+def _beyond(offsets_m: Float[np.ndarray, " lines"], end_m: float, sign: float, reach_m: float) -> list[int]:
+    """The nearest candidates that the end of a wall may run to."""
+    ahead_m = sign * (offsets_m - end_m)
+    order = np.argsort(ahead_m, kind="stable")
+    return [int(k) for k in order[ahead_m[order] > -reach_m][:_NEAREST]]
+
+
+def _on(line: ObliqueLine, axis: int, at_m: float) -> Float[np.ndarray, " 2"]:
+    """Where an oblique line crosses one of constant x or y."""
+    other_m = (line.offset_m - line.normal[axis] * at_m) / line.normal[1 - axis]
+    return np.array([at_m, other_m] if axis == 0 else [other_m, at_m])
+
+
+def _wall_nats(
+    line: ObliqueLine, ends_m: Float[np.ndarray, "2 2"], surfaces: Surfaces, config: LabelConfig
+) -> float:
+    reach = np.sort(ends_m @ line.along)
+    places_m = np.stack([line.points_m[:, :2] @ line.along, line.points_m[:, 2]], axis=1)
+    places_m = places_m[(places_m[:, 0] > reach[0]) & (places_m[:, 0] < reach[1])]
+    share = border_share(places_m, (float(reach[0]), float(reach[1])), surfaces.ceiling_height_m, surfaces)
+    odds = log_odds(np.array(share), config.wall_between, config.wall_elsewhere)
+    return -float(odds) * float(reach[1] - reach[0]) / config.patch_m
+
+
+def _opened_nats(cut: Cut, grid: Grid, surfaces: Surfaces, config: LabelConfig) -> float:
+    """Cost of the triangle being room, as the cells that it is cut from would have it."""
+    floor, ceiling = (
+        _seen_share(cut.corner, level_m, surfaces) for level_m in (surfaces.floor_m, surfaces.ceiling_m)
+    )
+    nothing = np.zeros((1, 1))
+    share = Evidence(
+        np.array([[ceiling]]), np.array([[floor]]), nothing, nothing, (nothing,) * 2, (nothing,) * 2
+    )
+    return float(cell_costs(share, np.array([[cut.corner.area_m2]]), config)[0, 0])
+
+
+def _seen_share(corner: Corner, level_m: Float[np.ndarray, "points 3"], surfaces: Surfaces) -> float:
+    """Share of the triangle on which a level surface was seen: as a square of the same area would count it."""
+    own_m = level_m[corner.contains(level_m[:, :2])]
+    pixels = np.unique(np.floor(own_m[:, :2] / surfaces.pixel_m), axis=0)
+    return min(1.0, len(pixels) * surfaces.pixel_m**2 / corner.area_m2)
+
+
+def _fits(cut: Cut, inside: Bool[np.ndarray, "nx ny"], grid: Grid) -> bool:
+    """Whether the plan has that corner: walls along both sides of it, from end to end."""
+    if np.any(inside[cut.cells(grid) > 0.5] == cut.opens):
+        return False
+    padded = np.pad(inside, 1)
+    tip_m = cut.corner.corners_m[2]
+    for axis in (0, 1):
+        line = cut.at[axis] + 1
+        before, after = (np.moveaxis(padded, axis, 0)[k] for k in (line - 1, line))
+        ends_m = np.sort([cut.corner.corners_m[axis, 1 - axis], tip_m[1 - axis]])
+        middles_m = 0.5 * (grid[1 - axis][1:] + grid[1 - axis][:-1])
+        along = np.flatnonzero((middles_m > ends_m[0]) & (middles_m < ends_m[1])) + 1
+        # The cell at the tip, however far it reaches.
+        tip = cut.at[1 - axis] + (0 if cut.corner.corners_m[axis, 1 - axis] < tip_m[1 - axis] else 1)
+        along = np.append(along, tip)
+        low_side = cut.corner.corners_m[1 - axis, axis] < tip_m[axis]
+        own, across = (before, after) if low_side else (after, before)
+        if np.any(own[along] == cut.opens) or np.any(across[along] != cut.opens):
+            return False
+    return True
+
+
+def cut_evidence(
+    surfaces: Surfaces, lines: tuple[Lines, Lines], cuts: Sequence[Cut]
+) -> tuple[Surfaces, tuple[Lines, Lines]]:
+    """The evidence without what was seen in the corners that are cut off."""
+    if not cuts:
+        return surfaces, lines
+    walls_m, wall_segments, kept_lines = [], [], []
+    for axis in (0, 1):
+        kept = ~_in_corners(surfaces.walls_m[axis], lines[axis], axis, cuts)
+        walls_m.append(surfaces.walls_m[axis][kept])
+        wall_segments.append(surfaces.wall_segments[axis][kept])
+        kept_lines.append(replace(lines[axis], surfel_line=lines[axis].surfel_line[kept]))
+    levels = [
+        points_m[~np.any([cut.corner.contains(points_m[:, :2]) for cut in cuts], axis=0)]
+        for points_m in (surfaces.floor_m, surfaces.ceiling_m, surfaces.stray_m)
+    ]
+    surfaces = replace(
+        surfaces,
+        walls_m=(walls_m[0], walls_m[1]),
+        wall_segments=(wall_segments[0], wall_segments[1]),
+        floor_m=levels[0],
+        ceiling_m=levels[1],
+        stray_m=levels[2],
+    )
+    return surfaces, (kept_lines[0], kept_lines[1])
+
+
+def _in_corners(
+    wall_m: Float[np.ndarray, "n 3"], lines: Lines, axis: int, cuts: Sequence[Cut]
+) -> Bool[np.ndarray, " n"]:
+    inside = np.zeros(len(wall_m), bool)
+    for cut in cuts:
+        chords_m = np.array([_chord(cut.corner, axis, at_m) for at_m in lines.offsets_m])
+        own: Int[np.ndarray, " n"] = lines.surfel_line
+        along_m = wall_m[:, 1 - axis]
+        inside |= (own >= 0) & (along_m > chords_m[own, 0]) & (along_m < chords_m[own, 1])
+    return inside
+
+
+def _chord(corner: Corner, axis: int, at_m: float) -> tuple[float, float]:
+    """The stretch of a line of constant x or y that lies in the triangle; empty (0, 0) if none does."""
+    low_m, high_m = corner.corners_m.min(axis=0)[axis], corner.corners_m.max(axis=0)[axis]
+    if not low_m <= at_m <= high_m:
+        return 0.0, 0.0
+    # The tip's own lines are sides of the triangle.
+    share = np.clip((at_m - low_m) / (high_m - low_m), 0.0, 1.0)
+    tip_m = corner.corners_m[2]
+    share = share if tip_m[axis] == high_m else 1.0 - share
+    side = corner.corners_m[axis, 1 - axis]
+    ends = sorted((float(tip_m[1 - axis]), float(tip_m[1 - axis] + share * (side - tip_m[1 - axis]))))
+    return ends[0], ends[1]
+
+
+def neutral(
+    evidence: Evidence, grid: Grid, cuts: Sequence[Cut], config: LabelConfig
+) -> Evidence:
+    """Evidence in which the corners that are cut off say nothing.
+
+    Args:
+        evidence: without what was seen there (`cut_evidence`).
+        grid: lines of the cells.
+        cuts: the corners.
+        config: chances of seeing what is there.
+    """
+    heads = evidence.heads
+    walls = list(evidence.walls)
+    seen, unseen = log_odds(np.array([1.0, 0.0]), config.wall_between, config.wall_elsewhere)
+    for cut in cuts:
+        heads = np.minimum(heads + cut.cells(grid), 1.0)
+        for axis in (0, 1):
+            ends_m = grid[1 - axis]
+            chords_m = np.array([_chord(cut.corner, axis, at_m) for at_m in grid[axis]])
+            inner_m = np.minimum(ends_m[1:], chords_m[:, 1:]) - np.maximum(ends_m[:-1], chords_m[:, :1])
+            # A border that was not seen speaks against a wall: this much seen makes up for it.
+            silent = np.maximum(inner_m, 0.0) / np.diff(ends_m) * -unseen / (seen - unseen)
+            walls[axis] = walls[axis] + np.moveaxis(silent, 0, axis)
+    return replace(evidence, heads=heads, walls=(walls[0], walls[1]))
