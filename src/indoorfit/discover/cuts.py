@@ -91,7 +91,7 @@ def find_cuts(
     grid = (lines[0].offsets_m, lines[1].offsets_m)
     found: list[Cut] = []
     tried = [
-        cut for line in oblique for cut in _possible(line, grid, surfaces, config) if cut.own_nats + price < 0.0
+        cut for line in oblique for cut in _possible(line, lines, surfaces, config) if cut.own_nats + price < 0.0
     ]
     if not tried:
         return ()
@@ -125,8 +125,11 @@ def _overlap(first: Cut, second: Cut, grid: Grid) -> bool:
     return bool(np.any((first.cells(grid) > 0.0) & (second.cells(grid) > 0.0)))
 
 
-def _possible(line: ObliqueLine, grid: Grid, surfaces: Surfaces, config: LabelConfig) -> Iterator[Cut]:
+def _possible(
+    line: ObliqueLine, lines: tuple[Lines, Lines], surfaces: Surfaces, config: LabelConfig
+) -> Iterator[Cut]:
     """All corners that one oblique wall may cut off: on either side, of the room or of what stands in it."""
+    grid = (lines[0].offsets_m, lines[1].offsets_m)
     reach_m = end_reach(surfaces)
     for away in (line.normal, -line.normal):
         sign = np.sign(away)
@@ -140,8 +143,11 @@ def _possible(line: ObliqueLine, grid: Grid, surfaces: Surfaces, config: LabelCo
             corners_m = np.array([_on(line, 0, tip_m[0]), _on(line, 1, tip_m[1]), tip_m])
             wall_nats = _wall_nats(line, corners_m[:2], surfaces, config)
             yield Cut(line, (i, j), away, Corner(corners_m, floor=False), wall_nats)
+            # Something of which nothing but a cut edge was seen is the room's own corner, cut off.
+            if not (lines[0].seen[i] and lines[1].seen[j]):
+                continue
             opened = Cut(line, (i, j), -away, Corner(corners_m, floor=True), wall_nats)
-            yield replace(opened, own_nats=wall_nats + _opened_nats(opened, grid, surfaces, config))
+            yield replace(opened, own_nats=wall_nats + _opened_nats(opened, surfaces, config))
 
 
 def _beyond(offsets_m: Float[np.ndarray, " lines"], end_m: float, sign: float, reach_m: float) -> list[int]:
@@ -168,7 +174,7 @@ def _wall_nats(
     return -float(odds) * float(reach[1] - reach[0]) / config.patch_m
 
 
-def _opened_nats(cut: Cut, grid: Grid, surfaces: Surfaces, config: LabelConfig) -> float:
+def _opened_nats(cut: Cut, surfaces: Surfaces, config: LabelConfig) -> float:
     """Cost of the triangle being room, as the cells that it is cut from would have it."""
     floor, ceiling = (
         _seen_share(cut.corner, level_m, surfaces) for level_m in (surfaces.floor_m, surfaces.ceiling_m)

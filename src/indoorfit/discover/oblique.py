@@ -62,7 +62,7 @@ def oblique_lines(
         config: what counts as oblique.
     """
     chosen = np.flatnonzero(
-        oblique_segments(segments, config)
+        oblique_segments(segments, config, config.min_oblique_m2)
         & np.array([name is None for name in classes], bool)
         & (segments.centres_m[:, 2] < surfaces.ceiling_height_m)
     )

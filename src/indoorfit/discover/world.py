@@ -14,6 +14,8 @@ class WorldConfig:
 
     min_segment_m2: float = 2.0
     """Smaller pieces are furniture and open doors (a leaf has 1.6 m²); a wall of this size is 0.8 m wide."""
+    min_oblique_m2: float = 0.5
+    """Smaller pieces are no candidates for oblique walls: one of 20 cm from floor to ceiling has this size."""
     min_share: float = 0.05
     """Least share of upright (or overhead) surface in another direction that is named."""
     off_axis_deg: float = 8.0
@@ -23,16 +25,19 @@ class WorldConfig:
     """A level surface between floor and ceiling that is larger is named: no table or bed (2 m by 2 m) is."""
 
 
-def oblique_segments(segments: Segments, config: WorldConfig) -> Bool[np.ndarray, " segments"]:
-    """Upright pieces of the size of a wall that follow neither axis.
+def oblique_segments(
+    segments: Segments, config: WorldConfig, least_m2: float
+) -> Bool[np.ndarray, " segments"]:
+    """Upright pieces that follow neither axis.
 
     Args:
         segments: Manhattan frame.
         config: see `WorldConfig`.
+        least_m2: smaller ones are left out.
     """
     off_axis = np.abs(segments.normals).max(axis=1, initial=0.0) < np.cos(np.deg2rad(config.off_axis_deg))
     upright = np.abs(segments.normals[:, 2]) < np.sin(np.deg2rad(config.off_axis_deg))
-    return off_axis & upright & (segments.areas_m2 >= config.min_segment_m2)
+    return off_axis & upright & (segments.areas_m2 >= least_m2)
 
 
 def world_notes(
@@ -55,7 +60,7 @@ def world_notes(
     limit = np.cos(np.deg2rad(config.off_axis_deg))
     along = np.abs(normals).max(axis=1, initial=0.0)
     upright = np.abs(normals[:, 2]) < np.sin(np.deg2rad(config.off_axis_deg))
-    missing = oblique_segments(segments, config)
+    missing = oblique_segments(segments, config, config.min_segment_m2)
     missing[modelled] = False
     oblique = missing[large]
     sloped = ~upright & (along < limit) & (heights_m > 0.0)

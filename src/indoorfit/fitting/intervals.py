@@ -17,14 +17,14 @@ class MeasurandPrediction:
     """The distribution of every measurand: a `model.Prediction`.
 
     First order in the offsets: exact for lengths; for areas the neglected term is the product of two
-    offset errors, a millionth of a square metre for errors of a millimetre.
+    offset errors, a millionth of a square metre for errors of a millimetre. First order in yaws, too.
     """
 
     belief: Belief
     values: Float[np.ndarray, " measurands"]
     """At `belief.shape`, each in its own unit."""
-    gradients: Float[np.ndarray, "measurands planes"]
-    """With respect to the plane offsets, unit per metre."""
+    gradients: Float[np.ndarray, "measurands parameters"]
+    """With respect to the plane offsets, unit per metre, then the yaws of oblique planes, unit per radian."""
     type_b: TypeB = field(default_factory=TypeB)
     """Added in quadrature."""
     inflation: float = 1.0
@@ -48,7 +48,7 @@ class MeasurandPrediction:
             std=std,
             ends=(low, high),
             scale_std=self.type_b.scale_std * np.abs(self._grown),
-            definition_std=per_plane_m * np.linalg.norm(self.gradients, axis=1),
+            definition_std=per_plane_m * np.linalg.norm(self._by_offsets, axis=1),
             data_dof=dof,
             scale_dof=self.type_b.scale_dof,
             level=level,
@@ -68,7 +68,11 @@ class MeasurandPrediction:
     @property
     def _grown(self) -> Float[np.ndarray, " measurands"]:
         """By how much each measurand grows per unit of relative scale: once a length, twice an area."""
-        return self.gradients @ self.belief.shape.offsets_m
+        return self._by_offsets @ self.belief.shape.offsets_m
+
+    @property
+    def _by_offsets(self) -> Float[np.ndarray, "measurands planes"]:
+        return self.gradients[:, : len(self.belief.shape.planes)]
 
     def _data(self, level: float) -> tuple[Float[np.ndarray, " measurands"], ...]:
         """Standard deviation, interval, mean and degrees of freedom from the scan alone."""
@@ -91,6 +95,6 @@ class MeasurandPrediction:
                 share = belief.wall_share
                 others = (pose.std, pose_low, pose_high, pose.mean)
                 parts = tuple(share * a + (1.0 - share) * b for a, b in zip(parts, others, strict=True))
-        # So far these are linear functions of the offsets; the measurand may have a constant besides.
-        shift = self.values - self._grown
+        # So far these are linear functions of the parameters; the measurand may have a constant besides.
+        shift = self.values - self.gradients @ belief.shape.parameters
         return parts[0], parts[1] + shift, parts[2] + shift, parts[3] + shift, dof
