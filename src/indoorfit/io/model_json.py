@@ -28,6 +28,7 @@ from ..model import (
     Plane,
     Quantity,
     Room,
+    Shape,
     TapeVerdict,
     TextureSet,
 )
@@ -59,7 +60,7 @@ def to_document(result: FitResult) -> dict[str, Any]:
             "origin_scan": _numbers(result.frame.origin_scan_m),
         },
         "rooms": [_room(room) for room in result.rooms],
-        "cubes": [_cube(cube, bounds_m[cube.id]) for cube in result.shape.cubes],
+        "cubes": [_cube(cube, bounds_m[cube.id], result.shape) for cube in result.shape.cubes],
         "planes": [_plane(plane) for plane in result.shape.planes],
         "faces": [_face(face) for face in result.faces],
         "dimensions": [_dimension(dimension) for dimension in result.dimensions],
@@ -134,15 +135,19 @@ def _room(room: Room) -> dict[str, Any]:
     }
 
 
-def _cube(cube: Cube, bounds_m: np.ndarray) -> dict[str, Any]:
+def _cube(cube: Cube, bounds_m: np.ndarray, shape: Shape) -> dict[str, Any]:
+    centre_m = 0.5 * (bounds_m[0] + bounds_m[1])
+    if cube.front is not None:
+        centre_m = shape.planes[cube.front].from_own(centre_m[None])[0]
     return {
         "id": cube.id,
         "role": cube.role,
         "parent": cube.parent,
-        "centre": _numbers(0.5 * (bounds_m[0] + bounds_m[1])),
+        "centre": _numbers(centre_m),
         "size": _numbers(bounds_m[1] - bounds_m[0]),
         "open": list(cube.open_sides),
         "sides": {side: _index_or_none(cube.sides[side]) for side in SIDES},
+        **({} if cube.between is None else {"yaw": shape.yaw_of(cube), "between": list(cube.between)}),
     }
 
 
@@ -156,6 +161,7 @@ def _plane(plane: Plane) -> dict[str, Any]:
         "outward": int(plane.outward),
         "offset": float(plane.offset_m),
         "status": plane.status,
+        **({"yaw": float(plane.yaw_rad)} if plane.oblique else {}),
     }
 
 

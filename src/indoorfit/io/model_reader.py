@@ -117,6 +117,7 @@ def _plane(node: JsonNode) -> Plane:
         outward=_sign(node["outward"]),
         offset_m=node["offset"].number(),
         status=node["status"].choice(*get_args(PlaneStatus)),
+        yaw_rad=node["yaw"].number() if "yaw" in node.mapping() else 0.0,
     )
 
 
@@ -139,8 +140,26 @@ def _cubes(node: JsonNode, planes: tuple[Plane, ...]) -> tuple[Cube, ...]:
         sides: dict[Side, int | None] = {
             side: _side_plane(item["sides"][side], planes, side, parent) for side in SIDES
         }
-        cubes[cube_id] = Cube(cube_id, item["role"].choice(*get_args(Role)), parent, sides)
+        between = _between(item, planes, sides)
+        cubes[cube_id] = Cube(cube_id, item["role"].choice(*get_args(Role)), parent, sides, between)
     return tuple(cubes.values())
+
+
+def _between(
+    item: JsonNode, planes: tuple[Plane, ...], sides: dict[Side, int | None]
+) -> tuple[int, int] | None:
+    """The walls of the corner that an oblique wall cuts off; None for a cube along the axes."""
+    turned = [k for k in sides.values() if k is not None and planes[k].oblique]
+    if "between" not in item.mapping():
+        if turned:
+            item.fail(f"a cube with the oblique plane {turned[0]}", "the key 'between' with two planes")
+        return None
+    if len(turned) != 1:
+        item["sides"].fail(f"{len(turned)} oblique planes", "one, as the cube lies between two others")
+    ends = [node.integer(0, len(planes) - 1) for node in item["between"].items()]
+    if len(ends) != 2 or sorted(planes[k].axis for k in ends if not planes[k].oblique) != [0, 1]:
+        item["between"].fail(f"the planes {ends}", "one plane across x and one across y")
+    return ends[0], ends[1]
 
 
 def _side_plane(node: JsonNode, planes: tuple[Plane, ...], side: str, parent: str | None) -> int | None:

@@ -76,6 +76,7 @@ def spans_of(result: FitResult, outline: Outline) -> list[Span]:
         if dimension.kind not in ("height", "step"):
             groups.setdefault(dimension.faces, []).append(dimension)
     spans = [span for group in groups.values() if (span := _span(group, outline)) is not None]
+    spans += [span for d in result.dimensions if (span := _to_corner(d, result, outline)) is not None]
     # Texts that fit their span have one good place; the short ones can go around them.
     return sorted(spans, key=lambda span: (not span.walls, not _fits(span)))
 
@@ -102,6 +103,31 @@ def _span(group: list[Dimension], outline: Outline) -> Span | None:
         walls=tuple(wall for wall in own if wall is not None),
         room=first.room,
         inferred=first.status == "inferred",
+    )
+
+
+def _to_corner(dimension: Dimension, result: FitResult, outline: Outline) -> Span | None:
+    """The clear length of a wall along the axes that ends at an oblique one: from corner to corner."""
+    wall = None if dimension.wall is None else outline.wall(dimension.wall)
+    if wall is None or all(outline.wall(face) is not None for face in dimension.faces):
+        return None
+    axis = 1 - wall.axis
+    places = outline.to_page(result.frame.to_manhattan(np.stack([dimension.from_m, dimension.to_m])))[:, axis]
+    low, high = (
+        WallLine(wall.id, wall.room, axis, float(at), wall.at, wall.at, 1, wall.inferred)
+        for at in np.sort(places)
+    )
+    text = quantity_text(dimension.quantity)
+    return Span(
+        dimensions=(dimension.id,),
+        text=f"{text.value} {text.spread if text.half_width else f'({text.spread})'}",
+        axis=axis,
+        low=low.at,
+        high=high.at,
+        ends=(low, high),
+        walls=(wall,),
+        room=dimension.room,
+        inferred=dimension.status == "inferred",
     )
 
 

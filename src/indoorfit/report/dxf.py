@@ -127,10 +127,10 @@ class _Drawing:
                     facts = {**face_facts(face), "ring": k}
                     self._polyline(result.frame.to_manhattan(ring)[:, :2], layer, facts)
         for face in result.faces:
-            wall = self._layout.outline.wall(face.id)
+            wall = self._layout.outline.line(face.id)
             if wall is not None:
                 start, end = self._to_model(wall.points()).tolist()
-                layer = "WALLS_INFERRED" if wall.inferred else "WALLS" if wall.overhead is None else "STEPS"
+                layer = "WALLS_INFERRED" if wall.inferred else "STEPS" if face.kind == "step" else "WALLS"
                 line = self._space.add_line(start, end, dxfattribs={"layer": layer})
                 _attach(line, "face", face_facts(face))
 

@@ -7,7 +7,7 @@ from indoorfit.model import FitResult
 from .arrows import Placement, Span, place_spans, spans_of
 from .board import Board
 from .display import Item
-from .names import name_rooms, name_walls
+from .names import name_oblique, name_rooms, name_walls
 from .outline import Outline, outline_of
 
 UNIT_MM = 25.4 / 96.0
@@ -40,8 +40,10 @@ def lay_out(result: FitResult, denominator: int | None = None) -> Layout:
     outline = outline_of(result, scale)
     board = Board()
     board.add("wall", [wall.box() for wall in (*outline.walls, *outline.steps)])
+    board.add("wall", [box for wall in outline.oblique for box in wall.boxes()])
     # Names of short walls come last: with a leader they can stand anywhere.
     names = [*name_rooms(result, outline, board), *name_walls(outline, board, short=False)]
+    names += name_oblique(result, outline, board)
     placements, cramped = place_spans(spans_of(result, outline), outline, board)
     names += name_walls(outline, board, short=True)
     return Layout(outline, tuple(names), tuple(placements), tuple(cramped), denominator)

@@ -121,6 +121,29 @@ def _best_name(
     return best
 
 
+def name_oblique(result: FitResult, outline: Outline, board: Board) -> Iterator[Item]:
+    """The id of every oblique wall and its clear length, outside in front of its middle."""
+    for wall in outline.oblique:
+        texts = [f"{wall.id} inferred" if wall.inferred else wall.id]
+        for dimension in result.dimensions:
+            if dimension.wall == wall.id:
+                text = quantity_text(dimension.quantity)
+                texts.append(f"{dimension.id}  {text.value} {text.spread}")
+        text = "  ".join(texts)
+        width, middle = text_width(text, _WALL_SIZE), wall.points().mean(axis=0)
+        half = 0.5 * float(np.abs(wall.outward) @ [width, _WALL_SIZE])
+        places = [(away, side) for away in (10.0, 22.0, 40.0, 60.0, 85.0, 115.0) for side in (1.0, -1.0)]
+        for away, side in places:
+            x, y = middle + side * (away + half) * wall.outward
+            box = text_box((float(x), float(y)), width, _WALL_SIZE)
+            if board.cost(Marks(texts=(box,))) < COLLISION:
+                board.add("text", [box])
+                colour = INFERRED if wall.inferred else _WALL_COLOUR
+                background = FLOOR if outline.room_at(float(x), float(y)) else "#ffffff"
+                yield Label(text, (float(x), float(y)), _WALL_SIZE, colour, halo=background, shows=(wall.id,))
+                break
+
+
 _LEADER = 40.0
 
 

@@ -53,12 +53,38 @@ class WallLine:
 
 
 @dataclass(frozen=True)
+class ObliqueLine:
+    """An oblique wall as a line on the page."""
+
+    id: str
+    room: str
+    ends: Float[np.ndarray, "2 2"]
+    outward: Float[np.ndarray, " 2"]
+    """Unit vector of the page that leaves the room."""
+    inferred: bool
+
+    def points(self) -> Float[np.ndarray, "2 2"]:
+        """Its two ends."""
+        return self.ends
+
+    def boxes(self) -> list[Box]:
+        """What the drawn wall covers, in pieces of the size of its thickness."""
+        n = max(1, int(np.hypot(*(self.ends[1] - self.ends[0])) / BAND))
+        along = self.ends[0] + (np.arange(n)[:, None] + 0.5) / n * (self.ends[1] - self.ends[0])
+        middles = along + 0.5 * BAND * self.outward
+        half = 0.5 * BAND + 1.0
+        return [(float(x - half), float(y - half), float(x + half), float(y + half)) for x, y in middles]
+
+
+@dataclass(frozen=True)
 class Outline:
     """All rooms on the page."""
 
     scale: float
     """Page units per metre."""
     walls: tuple[WallLine, ...]
+    """Along the axes."""
+    oblique: tuple[ObliqueLine, ...]
     steps: tuple[WallLine, ...]
     """The sides of platforms, beams and lowered ceilings."""
     floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]
@@ -75,6 +101,10 @@ class Outline:
     def wall(self, face_id: str) -> WallLine | None:
         """The wall or side of a level of that face, None for floors and ceilings."""
         return next((wall for wall in (*self.walls, *self.steps) if wall.id == face_id), None)
+
+    def line(self, face_id: str) -> WallLine | ObliqueLine | None:
+        """The same, or the oblique wall of that face."""
+        return self.wall(face_id) or next((wall for wall in self.oblique if wall.id == face_id), None)
 
     def room_box(self, room: str | None = None) -> Box:
         """Bounds of a room's walls, or of all rooms'."""
@@ -137,7 +167,12 @@ def outline_of(result: FitResult, scale: float | None = None) -> Outline:
     walls = tuple(
         _wall_line(result, face, np.concatenate(corners[face.id])[:, :2] * flip)
         for face in result.faces
-        if face.kind == "wall"
+        if face.kind == "wall" and not result.shape.planes[face.plane].oblique
+    )
+    oblique = tuple(
+        _oblique_line(result, face, corners[face.id][0][:, :2] * flip)
+        for face in result.faces
+        if face.kind == "wall" and result.shape.planes[face.plane].oblique
     )
     z_range_m = (float(everything[:, 2].min()), float(everything[:, 2].max()))
     steps = []
@@ -146,7 +181,7 @@ def outline_of(result: FitResult, scale: float | None = None) -> Outline:
             ring = np.concatenate(corners[face.id])
             line = _wall_line(result, face, ring[:, :2] * flip)
             steps.append(replace(line, overhead=bool(ring[:, 2].mean() > np.mean(z_range_m))))
-    return Outline(scale, walls, tuple(steps), floors, _boxes(floors), z_range_m)
+    return Outline(scale, walls, oblique, tuple(steps), floors, _boxes(floors), z_range_m)
 
 
 def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> WallLine:
@@ -157,6 +192,15 @@ def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corner
     return WallLine(
         face.id, face.room, plane.axis, at, float(low), float(high), outward, face.status == "inferred"
     )
+
+
+def _oblique_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> ObliqueLine:
+    plane = result.shape.planes[face.plane]
+    along = plane.turn_normal[:2] * [1.0, -1.0]
+    order = np.argsort(corners @ along, kind="stable")
+    outward = plane.outward * plane.normal[:2] * [1.0, -1.0]
+    ends = corners[[order[0], order[-1]]]
+    return ObliqueLine(face.id, face.room, ends, outward, face.status == "inferred")
 
 
 def _boxes(floors: dict[str, tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...]]) -> dict[str, Box]:

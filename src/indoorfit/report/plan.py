@@ -107,7 +107,7 @@ def _sheet(result: FitResult, plan: Layout, drawing: list[Item]) -> Picture:
         *(item.moved(at_foot) for item in foot),
     ]
     height = float(at_foot[1]) + foot_height + _MARGIN
-    counts = f"{len(result.rooms)} room(s) with {len(outline.walls)} walls"
+    counts = f"{len(result.rooms)} room(s) with {len(outline.walls) + len(outline.oblique)} walls"
     description = f"Top view of {counts} and the distances between them."
     return Picture(width + 2 * _MARGIN, height, _PAPER, tuple(items), "Measured plan", description)
 
@@ -122,13 +122,14 @@ def _rooms(outline: Outline) -> list[Item]:
 
 def _walls(outline: Outline) -> list[Item]:
     items: list[Item] = []
-    for wall in sorted(outline.walls, key=lambda wall: wall.inferred):
+    for wall in sorted((*outline.walls, *outline.oblique), key=lambda wall: wall.inferred):
         if wall.inferred:
             items.append(Stroke(wall.points(), _PAPER, 3.0))
             items.append(Stroke(wall.points(), INFERRED, 2.2, (8.0, 5.0), (wall.id,)))
         else:
             # Square ends, so that corners close.
-            reach = np.array([-1.0, 1.0])[:, None] * (np.arange(2) == 1 - wall.axis)
+            along = wall.points()[1] - wall.points()[0]
+            reach = np.array([-1.0, 1.0])[:, None] * along / np.hypot(*along)
             items.append(Stroke(wall.points() + reach, _WALL, 2.0, shows=(wall.id,)))
     return items
 

@@ -37,7 +37,7 @@ def versus_picture(
     outline = outline_of(joint)
     plan: list[Item] = [Region(rings, FLOOR) for room in outline.floors.values() for rings in room]
     plan += scan_dots(joint, outline, points_m)
-    plan += [Stroke(wall.points(), _JOINT, 3.0) for wall in outline.walls]
+    plan += [Stroke(wall.points(), _JOINT, 3.0) for wall in (*outline.walls, *outline.oblique)]
     plan += _other_walls(joint, greedy, outline)
     boxes = np.array([item.box() for item in plan if isinstance(item, Stroke)])
     (left, top), (right, bottom) = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
