@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 from scipy import ndimage
 
-from indoorfit.geometry import Exposure, exposures, room_of_planes
+from indoorfit.geometry import Exposure, box_exposures, room_of_planes
 from indoorfit.model import Shape
 
 from .association import SAME_WALL_M
@@ -31,7 +31,8 @@ def unpassed(start: Shape, fitted: Shape, plane_points: Int[np.ndarray, " planes
     room = room_of_planes(start)
     planes = list(fitted.planes)
     before_m, after_m = start.offsets_m, fitted.offsets_m
-    faces = exposures(start)
+    # Square corners: so that all faces of a room share its grid.
+    faces = box_exposures(start.squared)
     for first, second in np.argwhere(before_m[:, None] < before_m[None, :]).tolist():
         if start.planes[first].axis != start.planes[second].axis or room.get(first) != room.get(second):
             continue

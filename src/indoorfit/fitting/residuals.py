@@ -39,6 +39,7 @@ def build_cells(
         counts=patches.counts,
         frames=patches.frames,
         frame_centres_m=frame_centres_m,
+        normals=normals if shape.oblique else None,
     )
 
 
@@ -65,6 +66,7 @@ def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
     for row, k in enumerate(turns.tolist(), start=len(silent)):
         design[row, 3 + shape.yaw_parameter(k)] = inferred_std_m / _GUESSED_YAW_RAD
     silent = np.concatenate([silent, turns])
+    normals = np.array([plane.normal for plane in shape.planes])
     return Cells(
         plane=np.concatenate([cells.plane, silent]),
         design=np.concatenate([cells.design, design]),
@@ -72,4 +74,5 @@ def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
         residuals_m=np.concatenate([cells.residuals_m, np.zeros(n)]),
         variances_m2=np.concatenate([cells.variances_m2, np.full(n, inferred_std_m**2)]),
         counts=np.concatenate([cells.counts, np.ones(n, int)]),
+        normals=None if cells.normals is None else np.concatenate([cells.normals, normals[silent]]),
     )

@@ -1,5 +1,6 @@
 """Pure maths that two stages or more use."""
 
+from .boxes import box_exposures as box_exposures
 from .boxes import room_of_planes as room_of_planes
 from .exposure import Corner as Corner
 from .exposure import Exposure as Exposure

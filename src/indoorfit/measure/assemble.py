@@ -148,7 +148,9 @@ def _dimension(
     shape: Shape,
     frame: Frame,
 ) -> Dimension:
-    inferred = any(shape.planes[k].status == "inferred" for k in dimension.planes)
+    # An oblique wall's ends lie on itself, too.
+    moved_by = np.flatnonzero(dimension.measurand.gradient[: len(shape.planes)])
+    inferred = any(shape.planes[k].status == "inferred" for k in moved_by)
     status: PlaneStatus = "inferred" if inferred else "observed"
     return Dimension(
         id=letters,

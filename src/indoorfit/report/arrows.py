@@ -88,7 +88,7 @@ def _fits(span: Span) -> bool:
 def _span(group: list[Dimension], outline: Outline) -> Span | None:
     first = group[0]
     pair = [outline.wall(face) for face in first.faces]
-    if pair[0] is None or pair[1] is None:
+    if pair[0] is None or pair[1] is None or pair[0].axis != pair[1].axis:
         return None
     low, high = sorted((pair[0], pair[1]), key=lambda wall: wall.at)
     own = [outline.wall(d.wall) for d in group if d.wall is not None]

@@ -37,6 +37,8 @@ class Cells:
     """Index of the frame, in the order in which the frames were taken; None where cells mix frames."""
     frame_centres_m: Float[np.ndarray, "frames 3"] | None = None
     """Sensor centres, Manhattan frame; None where they are unknown."""
+    normals: Float[np.ndarray, "cells 3"] | None = None
+    """Unit vectors across the planes, Manhattan frame, where some are oblique; else `axes` tells them."""
 
     def __post_init__(self) -> None:
         assert self.design.shape[1] > ROTATIONS, "a design has three rotation columns and the plane offsets"
@@ -61,6 +63,14 @@ class Cells:
         largest = np.zeros((int(self.plane.max(initial=0)) + 1, ROTATIONS))
         np.maximum.at(largest, self.plane, np.abs(self.design[:, :ROTATIONS]))
         return np.argmin(largest, axis=1)[self.plane]
+
+    def along_wall(self, rows: Int[np.ndarray, " rows"]) -> Float[np.ndarray, "rows dims"]:
+        """Places of one plane's cells about their middle, without what they are off across the wall."""
+        places_m = self.centroids_m[rows] - self.centroids_m[rows].mean(axis=0)
+        if self.normals is None:
+            return np.delete(places_m, self.axes[rows[0]], axis=1)
+        normal = self.normals[rows[0]]
+        return places_m - np.outer(places_m @ normal, normal)
 
 
 @dataclass(frozen=True)

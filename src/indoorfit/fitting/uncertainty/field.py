@@ -78,8 +78,7 @@ def build_field(cells: Cells) -> Field:
         rows = np.flatnonzero(cells.plane == plane)
         columns = np.flatnonzero(np.any(design[rows] != 0.0, axis=0))
         centroids = cells.centroids_m[rows]
-        # Across the wall they differ by millimetres, which is no lever.
-        within = centroids - centroids.mean(axis=0)
+        within = cells.along_wall(rows)
         blocks.append(
             Block(
                 rows,
