@@ -92,11 +92,14 @@ def test_rgbd_frames_hold_the_points_of_the_scan(run_cli, tmp_path):
     assert files(tmp_path) == ["rgbd", "s.ply", "s.truth.json"]
 
 
-def test_oblique_scene_says_that_its_truth_is_not_the_whole_truth(run_cli, tmp_path):
+def test_oblique_wall_is_in_the_truth(run_cli, tmp_path):
     arguments = ["--walls", 4, "--oblique", "--scale-error", 0.004]
     assert run_cli("simulate", "random", "-o", tmp_path / "s.ply", *QUICK, *arguments).code == 0
-    notes = {note.code: note.message for note in read_model_json(tmp_path / "s.truth.json").notes}
-    assert "Exact: " in notes["OBLIQUE_WALLS"]
+    truth = read_model_json(tmp_path / "s.truth.json")
+    notes = {note.code: note.message for note in truth.notes}
+    # Four walls and the one across a corner.
+    assert len([face for face in truth.faces if face.kind == "wall"]) == 5
+    assert len(truth.shape.oblique) == 1
     assert "1.004" in notes["SCALE_ERROR"]
 
 

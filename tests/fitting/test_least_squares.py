@@ -37,7 +37,7 @@ def by_scipy(points_m, plane, weights):
 
 def test_minimum_is_that_of_the_points():
     points_m, plane, weights = observed()
-    found = solve(plane_moments(points_m, plane, weights, 6), AXES, TRUE_M)
+    found = solve(plane_moments(points_m, plane, weights, 6), np.eye(3)[AXES], TRUE_M)
     expected = by_scipy(points_m, plane, weights)
     assert found.converged
     # Solver: 1e-8 of a standard error of a plane (0.35 mm), a thousandfold for the weakly curved directions.
@@ -48,7 +48,7 @@ def test_minimum_is_that_of_the_points():
 
 def test_truth_is_recovered_within_its_standard_errors():
     points_m, plane, weights = observed(1, turn=(0.02, 0.01, -0.03))
-    found = solve(plane_moments(points_m, plane, weights, 6), AXES, TRUE_M)
+    found = solve(plane_moments(points_m, plane, weights, 6), np.eye(3)[AXES], TRUE_M)
     # Six offsets, four standard errors each.
     np.testing.assert_allclose(found.offsets_m, TRUE_M, atol=4 * SIGMA_M / np.sqrt(200))
     np.testing.assert_allclose(found.rotation_rad, (0.02, 0.01, -0.03), atol=4 * SIGMA_M / np.sqrt(400))
@@ -58,10 +58,10 @@ def test_truth_is_recovered_within_its_standard_errors():
 def test_perturbed_starts_end_at_the_same_minimum(seed):
     points_m, plane, weights = observed(2)
     moments = plane_moments(points_m, plane, weights, 6)
-    reference = solve(moments, AXES, TRUE_M)
+    reference = solve(moments, np.eye(3)[AXES], TRUE_M)
     # As far as the reach of the association: 10 cm.
     start = TRUE_M + np.random.default_rng(seed).uniform(-0.1, 0.1, 6)
-    found = solve(moments, AXES, start)
+    found = solve(moments, np.eye(3)[AXES], start)
     assert found.converged
     # Ten times the solver's tolerance, as above.
     np.testing.assert_allclose(found.offsets_m, reference.offsets_m, atol=1e-7)
@@ -73,7 +73,7 @@ def test_planes_without_points_keep_their_place():
     moments = plane_moments(points_m[plane != 3], plane[plane != 3], weights[plane != 3], 6)
     start = TRUE_M.copy()
     start[3] = 1.77
-    found = solve(moments, AXES, start)
+    found = solve(moments, np.eye(3)[AXES], start)
     # Rounding of the solver's steps.
     assert found.offsets_m[3] == pytest.approx(1.77, abs=1e-12)
     np.testing.assert_allclose(
@@ -89,7 +89,9 @@ def test_padding_to_blocks_changes_nothing(n_planes):
     plane = np.repeat(np.arange(n_planes), 30)
     points_m = rng.uniform(-1, 1, (len(plane), 3))
     points_m[np.arange(len(plane)), axes[plane]] = true_m[plane]
-    found = solve(plane_moments(points_m, plane, np.full(len(plane), 1e4), n_planes), axes, true_m + 0.01)
+    found = solve(
+        plane_moments(points_m, plane, np.full(len(plane), 1e4), n_planes), np.eye(3)[axes], true_m + 0.01
+    )
     # Exact data: what is left is the solver's tolerance, 1e-8 of a standard error of 1 cm / sqrt(30).
     np.testing.assert_allclose(found.offsets_m, true_m, atol=1e-8)
     np.testing.assert_allclose(found.rotation_rad, 0.0, atol=1e-8)
@@ -98,5 +100,5 @@ def test_padding_to_blocks_changes_nothing(n_planes):
 def test_settings_of_the_host_are_left_alone():
     before = jax.config.read("jax_enable_x64")
     points_m, plane, weights = observed(5)
-    solve(plane_moments(points_m, plane, weights, 6), AXES, TRUE_M)
+    solve(plane_moments(points_m, plane, weights, 6), np.eye(3)[AXES], TRUE_M)
     assert jax.config.read("jax_enable_x64") == before

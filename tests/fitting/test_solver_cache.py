@@ -29,7 +29,7 @@ def solution():
     points_m = rng.uniform(-2, 2, (300, 3))
     points_m[np.arange(300), plane % 3] = plane - 2.5 + rng.normal(0, 0.01, 300)
     moments = plane_moments(points_m, plane, np.full(300, 1e4), 6)
-    return solve(moments, np.arange(6) % 3, np.arange(6) - 2.45)
+    return solve(moments, np.eye(3)[np.arange(6) % 3], np.arange(6) - 2.45)
 
 
 def test_a_stored_solver_gives_the_same_bytes_as_a_fresh_one(cache_at, tmp_path):

@@ -70,8 +70,8 @@ def test_gradients_are_those_of_a_rebuilt_room(kind):
     shape = {**SHAPES, **OBLIQUE}[kind]
     n = len(shape.parameters)
     for k in range(n):
-        # Polynomials of degree three at most in the offsets, and smooth in yaws over angles of a radian: a step
-        # of 0.1 mm costs its square, 1e-8 m, times factors of the order of 1.
+        # Polynomials of degree three at most in the offsets, and smooth in yaws over angles of a radian: a
+        # step of 0.1 mm costs its square, 1e-8 m, times factors of the order of 1.
         step = 1e-4 * np.eye(n)[k]
         above, below = (
             [m.value for m in measurands(survey_of(moved), moved)]

@@ -115,16 +115,19 @@ def test_without_a_scan_everything_counts_as_seen():
     assert {face.coverage for face in truth.faces} == {1.0}
 
 
-def test_oblique_wall_names_the_faces_that_stay_exact():
+def test_oblique_wall_is_a_face_with_its_length():
     scene = Scene((BOX,), oblique_walls=(ObliqueWall(0, (4.0, 0.0), (5.0, 1.0)),))
-    truth = truth_of(scanned(scene))
-    (note,) = truth.notes
-    assert note.code == "OBLIQUE_WALLS"
-    classes = {face.id: face.face_class for face in truth.faces}
-    exact, rest = note.message.split("Exact: ")[1].split(". Exact only as planes")
-    named = {classes[face.strip()] for face in exact.split(",")}
-    assert named == {"front", "left"}
-    assert all(name in rest for name, kind in classes.items() if kind not in named)
+    virtual = scanned(scene)
+    truth = truth_of(virtual)
+    (face,) = (face for face in truth.faces if truth.shape.planes[face.plane].oblique)
+    (length,) = (d for d in truth.dimensions if d.wall == face.id)
+    # The diagonal of a square of 1 m, and half of that square missing from the floor of 5 by 4 m.
+    assert length.quantity.value == pytest.approx(np.sqrt(2.0), abs=1e-9)
+    box = truth_of(scanned(Scene((BOX,))))
+    lost_m2 = box.rooms[0].floor_area.value - truth.rooms[0].floor_area.value
+    assert lost_m2 == pytest.approx(0.5, abs=1e-9)
+    assert face.status == "observed"
+    assert (virtual.point_plane == face.plane).sum() == face.n_points
 
 
 def test_truth_lies_in_the_frame_of_the_scan():

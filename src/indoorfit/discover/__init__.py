@@ -1,5 +1,6 @@
 """Labelled segments -> the cube grammar of every room."""
 
+from .cuts import Trial as Trial
 from .discover import DiscoverConfig as DiscoverConfig
 from .discover import discover as discover
 from .explanation import Beside as Beside

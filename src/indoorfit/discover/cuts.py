@@ -2,8 +2,8 @@
 
 An oblique wall between a wall across x and one across y cuts a corner off, of the room or of something that
 stands in it. With the cut, nothing that was seen in that triangle counts for or against its cells, the wall
-itself counts as every other, and the outline has one wall more. The cut stays if the plan of least energy with
-it has less energy than the one without.
+itself counts as every other, and the outline has one wall more. The cut stays if the plan of least energy
+with it has less energy than the one without.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float, Int
 from indoorfit.geometry import Corner
 
 from .candidates import Lines, end_reach
-from .evidence import Evidence, border_share, cell_coverage
+from .evidence import Evidence, border_share
 from .labelling import LabelConfig, cell_costs, log_odds
 from .level_task import Grid
 from .oblique import ObliqueLine
@@ -59,61 +59,90 @@ class Cut:
         """Share of every cell of the plan that lies in the triangle."""
         share = np.zeros((len(grid[0]) - 1, len(grid[1]) - 1))
         low_m, high_m = self.corner.corners_m.min(axis=0), self.corner.corners_m.max(axis=0)
-        first, last = (
-            [int(np.clip(np.searchsorted(grid[a], at[a], side=side) - 1, 0, share.shape[a] - 1)) for a in (0, 1)]
-            for at, side in ((low_m, "right"), (high_m, "left"))
-        )
-        for i, j in product(range(first[0], last[0] + 1), range(first[1], last[1] + 1)):
-            ends = (grid[0][i], grid[1][j]), (grid[0][i + 1], grid[1][j + 1])
-            area_m2 = (ends[1][0] - ends[0][0]) * (ends[1][1] - ends[0][1])
-            share[i, j] = self.corner.area_in_m2(*ends) / area_m2
+        touched = [
+            np.flatnonzero((line[1:] > low_m[a]) & (line[:-1] < high_m[a])) for a, line in enumerate(grid)
+        ]
+        for i, j in product(touched[0].tolist(), touched[1].tolist()):
+            low, high = (grid[0][i], grid[1][j]), (grid[0][i + 1], grid[1][j + 1])
+            area_m2 = (high[0] - low[0]) * (high[1] - low[1])
+            share[i, j] = self.corner.area_in_m2(low, high) / area_m2
         return share
 
 
-def find_cuts(
+@dataclass(frozen=True)
+class Trial:
+    """What became of one oblique line."""
+
+    line: ObliqueLine
+    cut: Cut | None
+    """The corner that it cuts off, or would at least cost; None where it lies across none."""
+    accepted: bool
+    difference_nats: float
+    """Accepted: by how much the best plan without it is worse; else by how much the best plan with it is.
+    Infinite where no plan has that corner."""
+
+
+def accepted_cuts(trials: Sequence[Trial]) -> tuple[Cut, ...]:
+    """The corners that are cut off."""
+    return tuple(trial.cut for trial in trials if trial.accepted and trial.cut is not None)
+
+
+Solve = Callable[[Sequence[Cut]], tuple[Bool[np.ndarray, "nx ny"], float]]
+"""The best labels of the plan with some corners cut off, and their energy, nats."""
+
+
+def try_cuts(
     lines: tuple[Lines, Lines],
     surfaces: Surfaces,
     oblique: Sequence[ObliqueLine],
-    solve: Callable[[Sequence[Cut]], tuple[Bool[np.ndarray, "nx ny"], float]],
+    solve: Solve,
     price: float,
     config: LabelConfig,
-) -> tuple[Cut, ...]:
-    """The corners that are cut off in the plan of least energy, taken one by one.
+) -> tuple[Trial, ...]:
+    """Cut off the corners that the plan of least energy has cut off, taken one by one, and tell of all lines.
 
     Args:
         lines: candidates across x and across y.
         surfaces: sorted evidence.
         oblique: walls that follow neither.
-        solve: the best labels of the plan with some corners cut off, and their energy, nats.
+        solve: labels the plan.
         price: of a wall, nats.
         config: chances of seeing what is there.
     """
-    grid = (lines[0].offsets_m, lines[1].offsets_m)
-    found: list[Cut] = []
-    tried = [
-        cut for line in oblique for cut in _possible(line, lines, surfaces, config) if cut.own_nats + price < 0.0
-    ]
-    if not tried:
+    if not oblique:
         return ()
-    _, least = solve(())
-    ranked = sorted(((_energy(solve, [cut], grid, price), k) for k, cut in enumerate(tried)))
-    for _, k in ranked:
-        cut = tried[k]
+    grid = (lines[0].offsets_m, lines[1].offsets_m)
+
+    def energy(cuts: Sequence[Cut]) -> float:
+        return _energy(solve, cuts, grid, price)
+
+    possible = [list(_possible(line, lines, surfaces, config)) for line in oblique]
+    # A wall that does not pay for itself is worth no plan of its own.
+    paying = [cut for cuts in possible for cut in cuts if cut.own_nats + price < 0.0]
+    alone = {id(cut): energy([cut]) for cut in paying}
+    least, found = energy([]), []
+    for cut in sorted(paying, key=lambda cut: alone[id(cut)]):
         if any(cut.line is other.line or _overlap(cut, other, grid) for other in found):
             continue
-        energy = _energy(solve, [*found, cut], grid, price)
-        if energy < least:
-            least = energy
+        if (reached := energy([*found, cut])) < least:
+            least = reached
             found.append(cut)
-    return tuple(found)
+    trials = []
+    for line, cuts in zip(oblique, possible, strict=True):
+        own = next((cut for cut in found if cut.line is line), None)
+        if own is not None:
+            without = energy([cut for cut in found if cut is not own])
+            trials.append(Trial(line, own, True, without - least))
+            continue
+        best = min(cuts, key=lambda cut: alone.get(id(cut), np.inf), default=None)
+        # One that overlaps an accepted one cannot stand beside it.
+        beside = best is not None and id(best) in alone and not any(_overlap(best, o, grid) for o in found)
+        nats = energy([*found, best]) - least if best is not None and beside else np.inf
+        trials.append(Trial(line, best, False, nats))
+    return tuple(trials)
 
 
-def _energy(
-    solve: Callable[[Sequence[Cut]], tuple[Bool[np.ndarray, "nx ny"], float]],
-    cuts: Sequence[Cut],
-    grid: Grid,
-    price: float,
-) -> float:
+def _energy(solve: Solve, cuts: Sequence[Cut], grid: Grid, price: float) -> float:
     """Least energy of a plan with these corners cut off; infinite where it has no such corners."""
     inside, energy = solve(cuts)
     if not all(_fits(cut, inside, grid) for cut in cuts):
@@ -170,8 +199,8 @@ def _wall_nats(
     places_m = np.stack([line.points_m[:, :2] @ line.along, line.points_m[:, 2]], axis=1)
     places_m = places_m[(places_m[:, 0] > reach[0]) & (places_m[:, 0] < reach[1])]
     share = border_share(places_m, (float(reach[0]), float(reach[1])), surfaces.ceiling_height_m, surfaces)
-    odds = log_odds(np.array(share), config.wall_between, config.wall_elsewhere)
-    return -float(odds) * float(reach[1] - reach[0]) / config.patch_m
+    odds = log_odds(np.array([share]), config.wall_between, config.wall_elsewhere)
+    return -float(odds[0]) * float(reach[1] - reach[0]) / config.patch_m
 
 
 def _opened_nats(cut: Cut, surfaces: Surfaces, config: LabelConfig) -> float:
@@ -181,13 +210,18 @@ def _opened_nats(cut: Cut, surfaces: Surfaces, config: LabelConfig) -> float:
     )
     nothing = np.zeros((1, 1))
     share = Evidence(
-        np.array([[ceiling]]), np.array([[floor]]), nothing, nothing, (nothing,) * 2, (nothing,) * 2
+        np.array([[ceiling]]),
+        np.array([[floor]]),
+        nothing,
+        nothing,
+        (nothing, nothing),
+        (nothing, nothing),
     )
     return float(cell_costs(share, np.array([[cut.corner.area_m2]]), config)[0, 0])
 
 
 def _seen_share(corner: Corner, level_m: Float[np.ndarray, "points 3"], surfaces: Surfaces) -> float:
-    """Share of the triangle on which a level surface was seen: as a square of the same area would count it."""
+    """Share of the triangle on which a level surface was seen, by pixels as in the cells."""
     own_m = level_m[corner.contains(level_m[:, :2])]
     pixels = np.unique(np.floor(own_m[:, :2] / surfaces.pixel_m), axis=0)
     return min(1.0, len(pixels) * surfaces.pixel_m**2 / corner.area_m2)
@@ -268,9 +302,7 @@ def _chord(corner: Corner, axis: int, at_m: float) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def neutral(
-    evidence: Evidence, grid: Grid, cuts: Sequence[Cut], config: LabelConfig
-) -> Evidence:
+def neutral(evidence: Evidence, grid: Grid, cuts: Sequence[Cut], config: LabelConfig) -> Evidence:
     """Evidence in which the corners that are cut off say nothing.
 
     Args:

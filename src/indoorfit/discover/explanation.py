@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int, Shaped
 
 from indoorfit.model import FaceClass, Note, Segments, Surfels
 
+from .cuts import Trial
 from .discover import DiscoverConfig
 from .evidence import Evidence
 from .labelling import cell_costs, plan_energy
@@ -77,6 +78,8 @@ class Explanation:
     grid: Grid
     """Positions of the candidates: they bound the cells."""
     candidates: tuple[CandidateReport, ...]
+    oblique: tuple[Trial, ...]
+    """Walls that follow neither axis, and what became of them."""
     evidence: Evidence
     log_odds: Float[np.ndarray, "nx ny"]
     """For each cell being inside, of its ceiling and floor alone, nats."""
@@ -127,6 +130,7 @@ def explain(
     return Explanation(
         grid=plan.grid,
         candidates=candidates,
+        oblique=plan.trials,
         evidence=plan.evidence,
         log_odds=odds,
         inside=plan.inside,

@@ -10,7 +10,7 @@ from indoorfit.errors import InputError
 from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
-from .cuts import Cut, cut_evidence, find_cuts, neutral
+from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts
 from .evidence import Evidence, gather_evidence
 from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
@@ -45,8 +45,8 @@ class Plan:
     """Of a wall of the outline, nats."""
     inside: Bool[np.ndarray, "nx ny"]
     """The labels of least energy; corners that are cut off count as though they were square."""
-    cuts: tuple[Cut, ...]
-    """Those corners."""
+    trials: tuple[Trial, ...]
+    """What became of the oblique walls."""
     rooms: list[Bool[np.ndarray, "nx ny"]]
     """What became of the inside: the cells of each room, by decreasing area."""
     notes: tuple[Note, ...]
@@ -55,6 +55,11 @@ class Plan:
     def grid(self) -> Grid:
         """Positions of the lines, metres."""
         return self.lines[0].offsets_m, self.lines[1].offsets_m
+
+    @property
+    def cuts(self) -> tuple[Cut, ...]:
+        """The corners that oblique walls cut off."""
+        return accepted_cuts(self.trials)
 
     @property
     def room_of_cell(self) -> Int[np.ndarray, "nx ny"]:
@@ -101,12 +106,12 @@ def find_plan(
         inside, _ = minimise(energy, labels.max_open_cells)
         return inside, energy.of(inside)
 
-    cuts = find_cuts(lines, surfaces, oblique, solve, price, labels)
-    evidence = evidence_with(cuts)
+    trials = try_cuts(lines, surfaces, oblique, solve, price, labels)
+    evidence = evidence_with(accepted_cuts(trials))
     inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, cuts, found_rooms, notes)
+    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, trials, found_rooms, notes)
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:

@@ -7,7 +7,15 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from indoorfit.errors import InputError
-from indoorfit.geometry import Exposure, Level, exposures, shape_from_plan, walls_at, with_levels, with_oblique_wall
+from indoorfit.geometry import (
+    Exposure,
+    Level,
+    exposures,
+    shape_from_plan,
+    walls_at,
+    with_levels,
+    with_oblique_wall,
+)
 from indoorfit.model import Note, Plane, Shape
 
 from .candidates import CandidateConfig

@@ -15,7 +15,7 @@ class WorldConfig:
     min_segment_m2: float = 2.0
     """Smaller pieces are furniture and open doors (a leaf has 1.6 m²); a wall of this size is 0.8 m wide."""
     min_oblique_m2: float = 0.5
-    """Smaller pieces are no candidates for oblique walls: one of 20 cm from floor to ceiling has this size."""
+    """Smaller pieces are no oblique walls: one of 20 cm from floor to ceiling has this size."""
     min_share: float = 0.05
     """Least share of upright (or overhead) surface in another direction that is named."""
     off_axis_deg: float = 8.0
@@ -66,7 +66,7 @@ def world_notes(
     sloped = ~upright & (along < limit) & (heights_m > 0.0)
     overhead = sloped | ((np.abs(normals[:, 2]) >= limit) & (heights_m > 0.0))
     return (
-        *_note("OBLIQUE_WALLS", "upright", "two wall directions", oblique, upright, areas_m2, config),
+        *_note("OBLIQUE_WALLS", "upright", "model's wall directions", oblique, upright, areas_m2, config),
         *_note("SLOPED_CEILING", "overhead", "level plane", sloped, overhead, areas_m2, config),
         *_half_way(segments, classes, limit, config),
     )

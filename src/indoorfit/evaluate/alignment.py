@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import manifold3d as m3
 import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 
+from indoorfit.geometry import shared_area
 from indoorfit.model import Face, FitResult, Shape
 
 _SAME_M = 1e-9
@@ -71,11 +71,8 @@ class FlatFace:
         # One axis upright, or along x for floors; which does not matter.
         up = np.eye(3)[2] if abs(self.inward[2]) < 0.5 else np.eye(3)[0]
         basis = np.stack([np.cross(up, self.inward), up], axis=1)
-        own, their = (
-            m3.CrossSection([ring @ basis for ring in face.rings_m], m3.FillRule.EvenOdd)
-            for face in (self, other)
-        )
-        return float((own ^ their).area())
+        own, their = ([ring @ basis for ring in face.rings_m] for face in (self, other))
+        return shared_area(own, their)
 
     def distance_m(self, other: "FlatFace") -> float:
         """How far the middle of another face lies before this one's plane, towards the room."""

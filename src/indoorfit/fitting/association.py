@@ -147,7 +147,9 @@ def _rivals_m(shape: Shape, plane: Plane, exposure: Exposure) -> list[float]:
             for other in shape.planes
             if other.axis == plane.axis and not other.oblique and other is not plane
         ]
-    middle_m = plane.from_own(np.array([[plane.offset_m, 0.5 * (exposure.u_m[0] + exposure.u_m[-1]), 0.0]]))[0]
+    middle_m = plane.from_own(np.array([[plane.offset_m, 0.5 * (exposure.u_m[0] + exposure.u_m[-1]), 0.0]]))[
+        0
+    ]
     others = [shape.planes[k] for k in shape.oblique if shape.planes[k] is not plane]
     return [
         plane.offset_m + float((other.offset_m - other.normal @ middle_m) / (other.normal @ plane.normal))

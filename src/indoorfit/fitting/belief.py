@@ -194,8 +194,8 @@ def _completed(pose: Predictive, wall: Predictive) -> Predictive:
     means, covariances = pose.means.copy(), pose.covariances.copy()
     average = np.einsum("k,kpq->pq", wall.weights, wall.covariances)
     means[:, missing] = (wall.weights @ wall.means)[missing]
-    # In place of what is there: the wall field's variance holds the bias through the edges already. Offset and
-    # yaw of an oblique plane err together.
+    # In place of what is there: the wall field's variance holds the bias through the edges already. Offset
+    # and yaw of an oblique plane err together.
     covariances[:, missing[:, None], missing] = average[np.ix_(missing, missing)]
     return replace(pose, means=means, covariances=covariances, seen=np.ones_like(pose.seen))
 

@@ -17,7 +17,6 @@ from indoorfit.model import Shape
 from .moments import PlaneMoments
 from .patches import Patches
 
-
 _LEAST_BASE_M = 0.2
 """Patches of a wall that are nearer to each other do not tell its yaw: a third of a patch's side."""
 
@@ -46,9 +45,7 @@ def turning_freely(moments: PlaneMoments, shape: Shape) -> PlaneMoments:
     return replace(moments, roots=roots)
 
 
-def turned_to(
-    shape: Shape, patches: Patches, weights: Float[np.ndarray, " cells"]
-) -> tuple[Shape, float]:
+def turned_to(shape: Shape, patches: Patches, weights: Float[np.ndarray, " cells"]) -> tuple[Shape, float]:
     """Oblique planes through their patches, and the farthest that any of them moved there, metres.
 
     Args:

@@ -11,3 +11,5 @@ from .levels import with_levels as with_levels
 from .oblique import walls_at as walls_at
 from .oblique import with_oblique_wall as with_oblique_wall
 from .plan import shape_from_plan as shape_from_plan
+from .planar import shared_area as shared_area
+from .planar import union as union

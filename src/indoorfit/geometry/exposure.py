@@ -125,8 +125,10 @@ class Exposure:
 
     def _covered_m2(self, corner: Corner) -> float:
         return sum(
-            corner.area_in_m2((self.u_m[i], self.v_m[j]), (self.u_m[i + 1], self.v_m[j + 1]))
-            for i, j in np.argwhere(self.mask)
+            corner.area_in_m2(
+                (float(self.u_m[i]), float(self.v_m[j])), (float(self.u_m[i + 1]), float(self.v_m[j + 1]))
+            )
+            for i, j in np.argwhere(self.mask).tolist()
         )
 
 

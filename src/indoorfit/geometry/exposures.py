@@ -87,7 +87,9 @@ def _front(
     middles_m = 0.5 * (u_m[1:] + u_m[:-1])
     mask = np.zeros((len(u_m) - 1, len(v_m) - 1), bool)
     for j, z_m in enumerate(0.5 * (v_m[1:] + v_m[:-1])):
-        places_m = np.column_stack([np.full(len(middles_m), before_m), middles_m, np.full(len(middles_m), z_m)])
+        places_m = np.column_stack(
+            [np.full(len(middles_m), before_m), middles_m, np.full(len(middles_m), z_m)]
+        )
         if corner.floor:
             # The notch was solid here; the room beyond its edge tells how high the opened corner is.
             beyond_m = np.append(corner.corners_m[2], z_m)

@@ -76,7 +76,7 @@ def _principal(angle_rad: float) -> float:
 
 
 def _holder(shape: Shape, room: str, xy_m: Float[np.ndarray, " 2"], opens: bool) -> str:
-    """The innermost cube of the room's tree in the plan that holds a place: of rooms and parts, or notches."""
+    """The innermost cube of the room that holds a place of the plan: of rooms and parts, or notches."""
     bounds_m = shape.squared.bounds_m()
     found = room
     for cube in shape.squared.cubes:

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-import manifold3d as m3
 import numpy as np
 from jaxtyping import Float
 
 from indoorfit.errors import InputError
+from indoorfit.geometry import union
 from indoorfit.model import Polygon, Shape
 
 from .plan_cells import NOT_ENCLOSED
@@ -26,9 +26,8 @@ def outline_rings(shape: Shape, pieces: Sequence[Polygon]) -> tuple[Float[np.nda
     if not floors:
         raise InputError(NOT_ENCLOSED)
     corners_m = np.concatenate([ring[:, :2] for piece in floors for ring in piece.rings_m])
-    parts = [m3.CrossSection([ring[:, :2] for ring in p.rings_m], m3.FillRule.EvenOdd) for p in floors]
-    union = parts[0] if len(parts) == 1 else m3.CrossSection.batch_boolean(parts, m3.OpType.Add)
-    rings = [_begun(_straightened(_snapped(ring, corners_m))) for ring in union.to_polygons()]
+    whole = union([[ring[:, :2] for ring in piece.rings_m] for piece in floors])
+    rings = [_begun(_straightened(_snapped(ring, corners_m))) for ring in whole]
     return tuple(sorted(rings, key=lambda ring: -float(np.ptp(ring, axis=0).sum())))
 
 

@@ -1,7 +1,8 @@
 """What there is to measure in a shape: named faces, dimensions, areas, each with its derivatives.
 
-Every dimension is a difference of plane offsets, or of corners where walls are oblique, and areas and volumes
-are smooth functions of the same parameters, so a value and a gradient over them are all that the interval of a measurand needs.
+Every dimension is a difference of plane offsets, or of corners where walls are oblique, and areas and
+volumes are smooth functions of the same parameters, so a value and a gradient over them are all that the
+interval of a measurand needs.
 """
 
 from collections import Counter

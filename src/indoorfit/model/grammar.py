@@ -204,8 +204,8 @@ class Shape:
         """Low and high corner of every cube, open sides set a margin outside the parent.
 
         Returns:
-            by cube id, metres, Manhattan frame; for a cube with a yaw of its own (`yaw_of`), that frame turned
-            about z. Equal planes give bitwise equal numbers, which the boolean operations rely on.
+            by cube id, metres, Manhattan frame; for a cube with a yaw of its own (`yaw_of`) that frame turned
+            by it. Equal planes give bitwise equal numbers, which the boolean operations rely on.
         """
         bounds: dict[str, Float[np.ndarray, "2 3"]] = {}
         for cube in self.cubes:
@@ -226,9 +226,7 @@ class Shape:
             bounds[cube.id] = corners
         return bounds
 
-    def _behind_oblique_m(
-        self, cube: Cube, parent_m: Float[np.ndarray, "2 3"]
-    ) -> Float[np.ndarray, "2 3"]:
+    def _behind_oblique_m(self, cube: Cube, parent_m: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
         """The box behind an oblique wall, in its own axes: it holds the corner that the wall cuts off.
 
         Its open sides are beyond the two walls of that corner, by too little to reach anything else.

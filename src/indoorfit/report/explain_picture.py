@@ -45,6 +45,10 @@ def explain_picture(found: Explanation, frame: Frame, points_m: Float[np.ndarray
     drawing: list[Item] = [*_cells(found, page), *_dots(found, frame, points_m, page, size)]
     drawing += [_line(candidate, low, high, page) for candidate in found.candidates]
     drawing += [Stroke(page(ends), _OUTLINE, 4.5) for ends in _outline(found)]
+    for trial in found.oblique:
+        drawing.append(Stroke(page(trial.line.ends_m), _SEEN, 1.6 if trial.accepted else 0.9))
+        if trial.accepted and trial.cut is not None:
+            drawing.append(Stroke(page(trial.cut.corner.corners_m[:2]), _OUTLINE, 4.5))
     drawing += [*ids_left, *ids_top]
     width = max(corner[0] + size[0] + _MARGIN, 720.0)
     items = (

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from indoorfit.discover import CandidateReport, Explanation
+from indoorfit.discover import CandidateReport, Explanation, Trial
 from indoorfit.model import Frame, Note
 
 from .table import aligned
@@ -29,6 +29,7 @@ def explain_document(found: Explanation, frame: Frame) -> dict[str, Any]:
         "energy": found.energy_nats,
         "corner_price": found.corner_price_nats,
         "candidates": [_candidate(candidate, found, frame) for candidate in found.candidates],
+        "oblique": _all_oblique(found, frame),
         "cells": [
             {
                 "x": [float(found.grid[0][i]), float(found.grid[0][i + 1])],
@@ -71,6 +72,38 @@ def _candidate(candidate: CandidateReport, found: Explanation, frame: Frame) -> 
     }
 
 
+def _all_oblique(found: Explanation, frame: Frame) -> list[dict[str, Any]]:
+    return [_oblique(k, found, frame) for k in range(len(found.oblique))]
+
+
+def _oblique(k: int, found: Explanation, frame: Frame) -> dict[str, Any]:
+    """A wall that follows neither axis."""
+    trial = found.oblique[k]
+    heights_m = np.full((2, 1), sum(found.heights_m) / 2.0)
+    from_m, to_m = frame.to_scan(np.concatenate([trial.line.ends_m, heights_m], axis=1)).tolist()
+    return {
+        "id": f"o{k + 1}",
+        "yaw": trial.line.yaw_rad,
+        "from_scan": from_m,
+        "to_scan": to_m,
+        "verdict": "accepted" if trial.accepted else "refused",
+        "difference": trial.difference_nats if np.isfinite(trial.difference_nats) else None,
+        "reason": _why(trial),
+    }
+
+
+def _why(trial: Trial) -> str:
+    nats = trial.difference_nats
+    if trial.accepted:
+        whose = (
+            "the edge of something in the room" if trial.cut is not None and trial.cut.opens else "a corner"
+        )
+        return f"It cuts {whose} off; the best plan without it is {nats:.1f} nats worse."
+    if np.isfinite(nats):
+        return f"The best plan with a corner cut off there is {nats:.1f} nats worse."
+    return "It cuts no corner off between two walls: furniture, or a wall beyond the room."
+
+
 def _source(candidate: CandidateReport) -> str:
     return "seen" if candidate.seen else "forced" if candidate.forced else "inferred"
 
@@ -94,6 +127,7 @@ def explain_table(found: Explanation, frame: Frame) -> str:
         aligned(head, rows),
         "",
         *(f"{c.id}: {c.reason}\n    in the scan: {_points(c, found, frame)}" for c in found.candidates),
+        *(f"{o['id']} ({o['verdict']}, oblique): {o['reason']}" for o in _all_oblique(found, frame)),
         *_notes(found.notes),
     ]
     return "\n".join(lines) + "\n"
