@@ -140,3 +140,25 @@ def test_a_floor_half_way_up_is_told():
 def test_same_scan_gives_the_same_shape():
     scan = virtual("X", 11, n_points=30_000, yaw_deg=10).scan
     assert discovered(scan)[0] == discovered(scan)[0]
+
+
+def test_a_roof_covers_a_corner_of_which_the_floor_was_not_seen():
+    rng = np.random.default_rng(0)
+
+    def sheet(corner, u, v):
+        corner, u, v = (np.array(side, float) for side in (corner, u, v))
+        n = int(900 * np.linalg.norm(np.cross(u, v)))
+        return corner + rng.random((n, 1)) * u + rng.random((n, 1)) * v
+
+    # 6 m by 4 m, walls of 2.4 m, two slopes and a level strip along x in the middle; the floor of a corner,
+    # 3 m by 1.4 m, is missing.
+    parts = [sheet((0, 0, 0), (6, 0, 0), (0, 0, 2.4)), sheet((0, 4, 0), (6, 0, 0), (0, 0, 2.4))]
+    parts += [sheet((x, 0, 0), (0, 4, 0), (0, 0, 2.4)) for x in (0, 6)]
+    parts += [sheet((0, 0, 2.4), (6, 0, 0), (0, 1.5, 0.8)), sheet((0, 4, 2.4), (6, 0, 0), (0, -1.5, 0.8))]
+    parts += [sheet((0, 1.5, 3.2), (6, 0, 0), (0, 1, 0))]
+    parts += [sheet((0, 1.4, 0), (6, 0, 0), (0, 2.6, 0)), sheet((0, 0, 0), (3, 0, 0), (0, 1.4, 0))]
+    points_m = np.concatenate(parts)
+    shape, notes = discovered(Scan(points_m + rng.normal(0.0, 0.004, points_m.shape)))
+    assert outline(shape, "room")[0, 1:] == pytest.approx([4.0, 6.0], abs=LIMIT_M)
+    assert len(shape.cubes) == 1
+    assert "SLOPED_CEILING" in {note.code for note in notes}

@@ -263,7 +263,7 @@ def cut_evidence(
         kept_lines.append(replace(lines[axis], surfel_line=lines[axis].surfel_line[kept]))
     levels = [
         points_m[~np.any([cut.corner.contains(points_m[:, :2]) for cut in cuts], axis=0)]
-        for points_m in (surfaces.floor_m, surfaces.ceiling_m, surfaces.stray_m)
+        for points_m in (surfaces.floor_m, surfaces.ceiling_m, surfaces.stray_m, surfaces.vault_m)
     ]
     surfaces = replace(
         surfaces,
@@ -272,6 +272,7 @@ def cut_evidence(
         floor_m=levels[0],
         ceiling_m=levels[1],
         stray_m=levels[2],
+        vault_m=levels[3],
     )
     return surfaces, (kept_lines[0], kept_lines[1])
 

@@ -20,6 +20,8 @@ class Surfaces:
     stray_m: Float[np.ndarray, "s 3"]
     """Surfels of no surface: edges, and walls too narrow for a surface of their own."""
     ceiling_m: Float[np.ndarray, "c 3"]
+    vault_m: Float[np.ndarray, "v 3"]
+    """Surfels of large sloped surfaces overhead: vaults and roofs. They tell what is inside, but no height."""
     floor_m: Float[np.ndarray, "f 3"]
     floor_height_m: float
     """The level with most floor."""
@@ -89,6 +91,7 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
         wall_segments=(segments.labels[kind == 0], segments.labels[kind == 1]),
         stray_m=surfels.positions_m[segments.labels == -1],
         ceiling_m=ceiling_m if seen else ceiling_m[:0],
+        vault_m=surfels.positions_m[_overhead(segments, classes, 0.5 * (foot_m + top_m))],
         floor_m=floor_m,
         floor_height_m=floor_height_m,
         ceiling_height_m=ceiling_height_m,
@@ -99,6 +102,21 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
             ceiling_m[np.abs(ceiling_m[:, 2] - ceiling_height_m) < _LEVEL_M],
         ),
     )
+
+
+_VAULT_M2 = 2.0
+"""Least size of a sloped surface that covers a room; lampshades and lids are smaller."""
+_SLOPE = (float(np.sin(np.radians(8.0))), float(np.cos(np.radians(8.0))))
+"""Height components of normals between upright and level, as walls and ceilings are told from other surfaces."""
+
+
+def _overhead(
+    segments: Segments, classes: tuple[FaceClass | None, ...], least_m: float
+) -> Bool[np.ndarray, " surfels"]:
+    steep = np.abs(segments.normals[:, 2])
+    vault = np.array([name is None for name in classes], bool) & (segments.areas_m2 >= _VAULT_M2)
+    vault &= (steep > _SLOPE[0]) & (steep < _SLOPE[1]) & (segments.centres_m[:, 2] > least_m)
+    return np.append(vault, False)[segments.labels]
 
 
 _KINDS = {None: -1, "left": 0, "right": 0, "back": 1, "front": 1, "floor": 2, "ceiling": 3}
