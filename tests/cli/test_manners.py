@@ -8,10 +8,12 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from typing import get_args
 
 import pytest
 
 from indoorfit.cli import health
+from indoorfit.cli.main import Command
 from indoorfit.cli.progress import ProgressLine
 from indoorfit.errors import InputError
 
@@ -126,12 +128,20 @@ def test_a_closed_stream_is_one_that_nobody_reads(closed):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh"])
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_completion_names_the_commands(run_cli, shell):
     outcome = run_cli("completion", shell)
     assert outcome.code == 0
     for command in ("fit", "figures", "doctor", "completion"):
         assert command in outcome.out
+
+
+def test_help_does_not_say_that_flags_are_off_by_default(run_cli):
+    for command in get_args(Command):
+        name = get_args(command)[1].name
+        outcome = run_cli(name, "--help")
+        assert outcome.code == 0
+        assert "False" not in outcome.out, name
 
 
 def test_bash_accepts_its_completion_script():

@@ -71,8 +71,11 @@ def test_a_pipe_that_is_closed_early_is_no_crash(room_ply, tmp_path):
     assert (out / "model.json").is_file()
 
 
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["interrupt", "terminate"]
+)
 @pytest.mark.parametrize("stage", ["thin", "fit"])
-def test_an_interrupt_leaves_nothing_half_written(tmp_path, stage):
+def test_a_signal_leaves_nothing_half_written(tmp_path, stage, number, code):
     """In the middle of the numerics, and just before or during the writing."""
     scans = tmp_path / "scans"
     scans.mkdir()
@@ -86,9 +89,40 @@ def test_an_interrupt_leaves_nothing_half_written(tmp_path, stage):
     for line in running.stderr:
         if line.startswith(f"{stage}:"):
             break
-    running.send_signal(signal.SIGINT)
+    running.send_signal(number)
     _, err = running.communicate(timeout=120)
-    assert running.returncode in (0, 130)
+    assert running.returncode in (0, code)
     left = sorted(path.name for path in tmp_path.iterdir())
     assert left == (["out", "scans"] if running.returncode == 0 else ["scans"])
     assert "Traceback" not in err
+
+
+def test_a_termination_in_the_middle_of_writing_takes_the_hidden_folder_along(tmp_path):
+    """Not left to chance: the program waits with an open staging folder until the signal comes."""
+    code = """
+import sys, time
+from indoorfit.cli import main
+from indoorfit.cli.fit import FitCommand
+from indoorfit.files import atomic_directory
+
+def run(self):
+    with atomic_directory("out") as place:
+        (place / "model.json").write_text("{")
+        print("ready", flush=True)
+        time.sleep(60)
+
+FitCommand.run = run
+sys.argv = ["indoorfit", "fit", "room.ply"]
+main.main()
+"""
+    running = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
+    assert running.stdout is not None
+    assert running.stdout.readline() == "ready\n"
+    assert [path.suffix for path in tmp_path.iterdir()] == [".part"]
+    running.send_signal(signal.SIGTERM)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == 143
+    assert err == "indoorfit: terminated; nothing is half written.\n"
+    assert list(tmp_path.iterdir()) == []

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from indoorfit.fitting import AssociationConfig, associate
-from indoorfit.fitting.patches import MAD_TO_STD, robust_location
-from indoorfit.geometry import exposures
+from indoorfit.fitting.patches import robust_location
+from indoorfit.geometry import MAD_TO_STD, exposures
 from indoorfit.simulate import Hole, room_shape
 from synthetic import KINDS, virtual
 

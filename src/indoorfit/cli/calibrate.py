@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import tyro
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe
 from .runtime import set_up_logging
 
 if TYPE_CHECKING:
@@ -32,16 +32,16 @@ class CalibrateCommand:
     """Which configuration of the batch, if it has several."""
     sensor: Maybe[str] = None
     """Only scans of this sensor, by the manifest's word for it: one preset for each."""
-    scales: bool = False
+    scales: Flag = False
     """Learn three noise scales in place of one factor: what the residuals show, the sensor's scale error, and
     where the wall is."""
-    conformal: bool = False
+    conformal: Flag = False
     """Write the conformal factor: guaranteed for exchangeable rooms, at 95 % from 19 rooms on."""
     seed: int = 0
     """Decides which length of each room stands for it in the conformal factor."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace an existing file."""
-    json: bool = False
+    json: Flag = False
     """Print JSON."""
 
     def run(self) -> int:

@@ -5,14 +5,13 @@ import logging
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 import tyro
 
 from indoorfit.files import staged
 from indoorfit.stages import announced
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe, Quiet
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 
@@ -38,11 +37,11 @@ class CompareCommand:
     """What took the scan; see `indoorfit fit --help`."""
     seed: Maybe[int] = None
     """Seed of everything random; default 0."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace an earlier comparison in the same directory."""
-    json: bool = False
+    json: Flag = False
     """Print JSON instead of the table."""
-    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
 
     def run(self) -> int:

@@ -12,9 +12,10 @@ class CompletionCommand:
 
     bash: indoorfit completion bash > ~/.local/share/bash-completion/completions/indoorfit
     zsh:  indoorfit completion zsh > DIR/_indoorfit, DIR in $fpath
+    fish: indoorfit completion fish > ~/.config/fish/completions/indoorfit.fish
     """
 
-    shell: tyro.conf.Positional[Literal["bash", "zsh"]]
+    shell: tyro.conf.Positional[Literal["bash", "zsh", "fish"]]
     """The shell that it is for."""
 
     def run(self) -> int:

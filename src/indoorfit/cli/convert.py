@@ -9,7 +9,7 @@ import tyro
 from indoorfit.errors import ConfigError
 from indoorfit.files import FormatName, staged
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe
 from .runtime import set_up_logging
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class ConvertCommand:
     """Format, where the suffix shall not decide."""
     scale: Maybe[int] = None
     """N of the plans' scale 1:N; default: the first of 1:50, 1:100, 1:200, ... that fits A4 or A3."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace existing files."""
 
     def run(self) -> int:

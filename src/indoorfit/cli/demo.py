@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .fit import run_pipeline
+from .maybe import Quiet
 from .runtime import set_up_logging
 
 
@@ -15,7 +16,7 @@ class DemoCommand:
     """Directory to write; an earlier demo there is replaced, and nothing else."""
     seed: int = 0
     """Seed of the simulated scan."""
-    quiet: bool = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
 
     def run(self) -> int:

@@ -4,6 +4,7 @@ import json
 import sys
 from dataclasses import asdict, dataclass
 
+from .maybe import Flag
 from .runtime import set_up_logging
 
 
@@ -14,7 +15,7 @@ class DoctorCommand:
     Exit code 0 where all that is needed is there and the test came out right, else 1.
     """
 
-    json: bool = False
+    json: Flag = False
     """Print JSON."""
 
     def run(self) -> int:

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 import tyro
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe, Quiet
 from .runtime import set_up_logging
 
 
@@ -33,9 +32,9 @@ class EvaluateCommand:
     """Longest time for one scan on a local process."""
     retries: int = 1
     """How often a scan is tried again whose process was killed."""
-    models: bool = False
+    models: Flag = False
     """Keep the whole model of every scan, as `indoorfit fit` writes it, in DIR/models."""
-    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
 
     def run(self) -> int:

@@ -4,14 +4,13 @@ import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 import tyro
 
 from indoorfit.files import staged
 from indoorfit.stages import announced
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe, Quiet
 from .runtime import set_up_logging
 from .settings import Unit, Up, run_config
 
@@ -35,11 +34,11 @@ class ExplainCommand:
     """Up direction in the file's axes; default: found by evidence. Write --up=-y for a negative axis."""
     seed: Maybe[int] = None
     """Seed of everything random; default 0."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace an earlier explanation in the same directory."""
-    json: bool = False
+    json: Flag = False
     """Print JSON instead of the text."""
-    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
 
     def run(self) -> int:

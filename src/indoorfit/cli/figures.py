@@ -4,13 +4,13 @@ import logging
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import tyro
 
 from indoorfit.stages import announced
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe, Quiet
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 
@@ -47,11 +47,11 @@ class FiguresCommand:
     """What took the scan; see `indoorfit fit --help`."""
     seed: Maybe[int] = None
     """Seed of everything random; default 0."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace earlier figures in the same directory."""
-    json: bool = False
+    json: Flag = False
     """Print the list of figures as JSON, with captions."""
-    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
 
     def run(self) -> int:

@@ -12,7 +12,7 @@ import tyro
 from indoorfit.files import FormatName, check_output_directory, check_staged, staged
 from indoorfit.stages import announced
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe, Quiet, Verbose
 from .runtime import set_up_logging
 from .settings import Sensor, Unit, Up, run_config
 from .texture_options import Textures
@@ -45,26 +45,26 @@ class FitCommand:
     """What took the scan; adds the uncertainty of its scale, and about 2 mm for plaster and skirting.
     Default: chosen by the data where frame ids and sensor poses decide it, which is said; else unknown:
     nothing is added, and the output says so."""
-    sample: bool = False
+    sample: Flag = False
     """Sample the noise model of the walls by Markov chains (emcee) instead of the analytic approximation;
     refuses to report from chains that have not converged. That of the frames' slips stays analytic."""
     format: Annotated[tuple[FormatName, ...], tyro.conf.arg(help_behavior_hint="")] = ()
     """Further formats to write, e.g. `--format ifc dxf pdf`; `indoorfit convert` makes them later too."""
-    pdf: bool = False
+    pdf: Flag = False
     """Also write report.pdf: plan, tables, warnings and provenance on A4; needs `indoorfit[plan]`."""
     seed: Maybe[int] = None
     """Seed of everything random; default 0."""
     textures: tyro.conf.OmitArgPrefixes[Textures] = field(default_factory=Textures)
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace an earlier result in the same directory, and the file of --write-registered."""
     write_registered: Maybe[Path] = None
     """Also write the scan as PLY with the slip of every frame taken out; needs frame ids, and turns
     belief.use_frames on."""
-    json: bool = False
+    json: Flag = False
     """Print the whole model as JSON instead of the table."""
-    quiet: Annotated[bool, tyro.conf.arg(aliases=["-q"])] = False
+    quiet: Quiet = False
     """Only warnings and errors on standard error."""
-    verbose: Annotated[bool, tyro.conf.arg(aliases=["-v"])] = False
+    verbose: Verbose = False
     """More on standard error, with the time of every stage."""
 
     def run(self) -> int:

@@ -8,6 +8,7 @@ from typing import Literal
 
 import tyro
 
+from .maybe import Flag
 from .runtime import set_up_logging
 
 
@@ -19,7 +20,7 @@ class InfoCommand:
     """The point cloud."""
     unit: Literal["m", "cm", "mm", "ft", "in"] = "m"
     """Unit of the file's coordinates."""
-    json: bool = False
+    json: Flag = False
     """Print JSON."""
 
     def run(self) -> int:

@@ -3,6 +3,7 @@
 import errno
 import io
 import os
+import signal
 import sys
 from difflib import get_close_matches
 from importlib.metadata import version
@@ -81,6 +82,7 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             # A terminal without the sign for plus-minus is no reason to fail after the work is done.
             stream.reconfigure(errors="replace")
+    _end_by_exception()
     try:
         sys.exit(_run())
     except BrokenPipeError:
@@ -96,6 +98,29 @@ def main() -> None:
             f"indoorfit: standard output: {error.strerror}. Fix: make room, or send it elsewhere.\n"
         )
         sys.exit(1)
+
+
+class _Ended(BaseException):
+    """A signal asks the program to end: raised like KeyboardInterrupt, so that what is half written goes."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def _end_by_exception() -> None:
+    """SIGTERM (kill, a scheduler's limit) and SIGHUP (a closed terminal) end the program by way of `finally`."""
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        # What the caller has switched off (nohup) stays off.
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, _raise_ended)
+
+
+def _raise_ended(number: int, _frame: object) -> None:
+    # Once is enough: a second signal must not stop the tidying up.
+    signal.signal(number, signal.SIG_IGN)
+    raise _Ended(number)
 
 
 def _drop_output() -> None:
@@ -120,6 +145,10 @@ def _run() -> int:
         end_logging()
         sys.stderr.write("indoorfit: interrupted; nothing is half written.\n")
         return 130
+    except _Ended as end:
+        end_logging()
+        sys.stderr.write("indoorfit: terminated; nothing is half written.\n")
+        return 128 + end.number
     finally:
         end_logging()
         # Now and not at the interpreter's end, where a closed pipe could only be complained of.

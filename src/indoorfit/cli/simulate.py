@@ -9,6 +9,7 @@ import tyro
 from indoorfit.errors import ConfigError, OutputError
 from indoorfit.files import staged
 
+from .maybe import Flag
 from .runtime import set_up_logging
 from .simulate_options import Contents, Plan, Sampling, Scanning, Way, refuse_unused
 
@@ -34,7 +35,7 @@ class SimulateCommand:
     """Turn about the vertical, degrees."""
     seed: int = 0
     """Same seed, same bytes."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace existing files."""
     plan: tyro.conf.OmitArgPrefixes[Plan] = field(default_factory=Plan)
     sampling: tyro.conf.OmitArgPrefixes[Sampling] = field(default_factory=Sampling)

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from indoorfit.errors import ConfigError
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe
 
 Preset = Literal["box", "L", "U", "X", "T", "Z", "stair"]
 
@@ -52,15 +52,15 @@ class Contents:
     """Number of windows; default: 1 for `random`."""
     doors: Maybe[int] = None
     """Number of doors open to a corridor; default: 1 for `random`. Doors between rooms come by themselves."""
-    bookcase: bool = False
+    bookcase: Flag = False
     """A bookcase hides half of the longest wall."""
-    glass_wall: bool = False
+    glass_wall: Flag = False
     """One whole wall is glass."""
-    floor_step: bool = False
+    floor_step: Flag = False
     """A platform of 12 to 35 cm at one end."""
-    beam: bool = False
+    beam: Flag = False
     """A beam of 20 to 40 cm crosses below the ceiling."""
-    oblique: bool = False
+    oblique: Flag = False
     """A corner is cut off at about 45 degrees: not a Manhattan world any more."""
     uneven: Maybe[float] = None
     """Bow and tilt of every wall, at most, metres; DIN 18202 allows 0.01 over 4 m. Default: 0."""
@@ -78,7 +78,7 @@ class Scanning:
 
     sensor: Maybe[str] = None
     """kinect_v1 (default), phone_lidar, tof_camera, tls, or a TOML file like the presets."""
-    exact: bool = False
+    exact: Flag = False
     """Switch all errors of the sensor off; occlusion and limits stay."""
     frames: Maybe[int] = None
     """Frames of a hand-held camera; default: 90."""
@@ -96,9 +96,9 @@ class Scanning:
     """Share of frames, one block, that is displaced by 6 cm and 1 degree; default: 0."""
     scale_error: Maybe[float] = None
     """Everything is larger by this share; default: 0."""
-    no_frame_ids: bool = False
+    no_frame_ids: Flag = False
     """Do not tell for each point which frame or station it comes from (property `frame`)."""
-    sensor_poses: bool = False
+    sensor_poses: Flag = False
     """Also write the estimated sensor poses to SCAN.frames.json."""
     write_scene: Maybe[Path] = None
     """Also write the scene as TOML or JSON, to be edited and passed to `simulate scene`."""

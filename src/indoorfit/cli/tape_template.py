@@ -6,6 +6,7 @@ from pathlib import Path
 
 import tyro
 
+from .maybe import Flag
 from .runtime import set_up_logging
 
 
@@ -21,7 +22,7 @@ class TapeTemplateCommand:
     """The model.json of the room."""
     plan: Path = Path("tape-plan.svg")
     """Where the plan goes (SVG)."""
-    overwrite: bool = False
+    overwrite: Flag = False
     """Replace an existing plan."""
 
     def run(self) -> int:

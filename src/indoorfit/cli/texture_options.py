@@ -8,7 +8,7 @@ import tyro
 
 from indoorfit.errors import ConfigError
 
-from .maybe import Maybe
+from .maybe import Flag, Maybe
 
 if TYPE_CHECKING:
     from indoorfit.model import Pictures
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class Textures:
     """Images on the faces; by default from the points' colours, if the scan has any."""
 
-    no_textures: bool = False
+    no_textures: Flag = False
     """Make none."""
     images: Maybe[Path] = None
     """Folder of colour images with poses (rgb.txt, estimated.txt or groundtruth.txt, intrinsics.txt)."""
@@ -30,11 +30,11 @@ class Textures:
     """The same as a TOML file: a table per face with file and corners."""
     texture_pixel: Maybe[float] = None
     """Side of a texture pixel, metres; default 0.01 from points, 0.005 from images, photos their own."""
-    fill_gaps: bool = False
+    fill_gaps: Flag = False
     """Let the colours around gaps diffuse into them; by default gaps are transparent."""
-    atlas: bool = False
+    atlas: Flag = False
     """One image for all faces."""
-    power_of_two: bool = False
+    power_of_two: Flag = False
     """Images with sides of 2, 4, 8, ... pixels."""
     image_format: Maybe[Literal["png", "jpeg", "webp"]] = None
     """Of the texture files; default png."""

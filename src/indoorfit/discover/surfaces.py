@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from indoorfit.errors import InputError
+from indoorfit.geometry import MAD_TO_STD
 from indoorfit.model import FaceClass, Segments, Surfels
 
 
@@ -49,8 +50,6 @@ _LEVEL_M = 0.15
 the worst registration that is foreseen. A step within it is the lesser part and moves no median deviation."""
 _MIN_SCATTERED = 50
 """A robust standard deviation of so many is good to 16 %."""
-_MAD_TO_STD = 1.4826
-"""Standard deviation of normal errors over their median absolute deviation."""
 _BESIDE_M = 0.3
 """Walls stand at the edge of floor and ceiling, or this far beyond where it was not seen."""
 
@@ -138,7 +137,7 @@ def _scatter_m(*levels_m: Float[np.ndarray, "_ 3"]) -> float:
         if len(points_m) >= _MIN_SCATTERED:
             plane = np.column_stack([points_m[:, :2], np.ones(len(points_m))])
             residuals_m = points_m[:, 2] - plane @ np.linalg.lstsq(plane, points_m[:, 2])[0]
-            scatter_m.append(_MAD_TO_STD * np.median(np.abs(residuals_m - np.median(residuals_m))))
+            scatter_m.append(MAD_TO_STD * np.median(np.abs(residuals_m - np.median(residuals_m))))
     return float(min(scatter_m, default=0.0))
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.geometry import Exposure, exposures
+from indoorfit.geometry import MAD_TO_STD, Exposure, exposures
 from indoorfit.model import Plane, Shape
 
-from .patches import MAD_TO_STD, PatchData, Patches, joined, summarise
+from .patches import PatchData, Patches, joined, summarise
 from .sight import Sight
 
 

@@ -7,9 +7,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.geometry import Exposure
-
-from .uncertainty.location import MAD_TO_STD as MAD_TO_STD
+from indoorfit.geometry import MAD_TO_STD, Exposure
 
 
 @dataclass(frozen=True)

@@ -13,3 +13,4 @@ from .oblique import with_oblique_wall as with_oblique_wall
 from .plan import shape_from_plan as shape_from_plan
 from .planar import shared_area as shared_area
 from .planar import union as union
+from .robust import MAD_TO_STD as MAD_TO_STD

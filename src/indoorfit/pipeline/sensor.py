@@ -22,6 +22,7 @@ from scipy.spatial import KDTree
 
 from indoorfit.config import RunConfig
 from indoorfit.fitting import SensorName, TypeBConfig
+from indoorfit.geometry import MAD_TO_STD
 from indoorfit.model import Note, Scan
 from indoorfit.simulate import Sensor, load_sensor
 
@@ -180,7 +181,7 @@ def _evidence(scan: Scan) -> _Evidence | None:
         float(np.quantile(np.concatenate(reaches), 1.0 - _WRONG_SHARE)),
         float(np.median(spreads)),
         np.array([float(np.median(range_m[bins == k])) for k in full]),
-        np.array([1.4826 * float(np.median(np.abs(residual_m[bins == k]))) for k in full]),
+        np.array([MAD_TO_STD * float(np.median(np.abs(residual_m[bins == k]))) for k in full]),
     )
 
 

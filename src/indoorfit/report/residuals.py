@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from indoorfit.fitting import AssociationConfig, claims
+from indoorfit.geometry import MAD_TO_STD
 from indoorfit.model import Face, FitResult
 
 _CELLS = 90
@@ -74,7 +75,7 @@ def residuals_of(
     if not everything:
         return None
     together = np.concatenate(everything)
-    std_m = max(1.4826 * float(np.median(np.abs(together - np.median(together)))), 1e-5)
+    std_m = max(MAD_TO_STD * float(np.median(np.abs(together - np.median(together)))), 1e-5)
     reach_m = _SHOWN_STDS * std_m
     counts, edges_m = np.histogram(together, bins=_BINS, range=(-reach_m, reach_m))
     return Residuals(len(together), std_m, edges_m, counts, tuple(maps))

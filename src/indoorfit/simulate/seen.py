@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from indoorfit.geometry import Exposure, exposures
+from indoorfit.geometry import MAD_TO_STD, Exposure, exposures
 
 from .virtual import VirtualScan
 
@@ -47,8 +47,8 @@ def _inliers(off_m: Float[np.ndarray, " points"]) -> Bool[np.ndarray, " points"]
     if not len(off_m):
         return np.zeros(0, bool)
     from_middle_m = np.abs(off_m - np.median(off_m))
-    # 1.4826 times the median distance is the standard deviation of a Gaussian; 1 um keeps exact points.
-    return from_middle_m <= _SIGMAS * 1.4826 * np.median(from_middle_m) + 1e-6
+    # 1 um keeps exact points.
+    return from_middle_m <= _SIGMAS * MAD_TO_STD * np.median(from_middle_m) + 1e-6
 
 
 def _coverage(exposure: Exposure, points_m: Float[np.ndarray, "points 3"], reach_m: float) -> float:

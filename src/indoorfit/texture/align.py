@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy import ndimage
 
+from indoorfit.geometry import MAD_TO_STD
 from indoorfit.model import CameraImage, FitResult
 
 from .canvas import Canvas, canvas_of
@@ -158,7 +159,7 @@ def _moved(
     # From the mean with its own share: two images that each went the whole way would change places.
     residual = grey[used] - mean.total[place] / mean.weight[place]
     residual = residual - np.median(residual)
-    spread = max(_FLOOR, 1.4826 * float(np.median(np.abs(residual))))
+    spread = max(_FLOOR, MAD_TO_STD * float(np.median(np.abs(residual))))
     trust = _EACH / spread**2 / (1.0 + (residual / (2.0 * spread)) ** 2)
     c = np.stack([x_m - move.centre_m[0], y_m - move.centre_m[1], np.ones(len(x_m))])
     slopes = np.concatenate([right * c, down * c])

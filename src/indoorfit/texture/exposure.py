@@ -3,6 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.geometry import MAD_TO_STD
+
 _ROUNDS = 6
 """Of reweighting; the weights hardly change after three."""
 _PULL = 1e-3
@@ -54,6 +56,6 @@ def _gains(
         gains = np.linalg.solve(system, (weights * (means - logs)).sum(axis=1))
         shifted = logs + gains[:, None]
         deviation = shifted - (weights * shifted).sum(axis=0) / total
-        spread = 1.4826 * float(np.median(np.abs(deviation[seen > 0.0])))
+        spread = MAD_TO_STD * float(np.median(np.abs(deviation[seen > 0.0])))
         weights = seen / (1.0 + (deviation / max(2.0 * spread, _LEAST_SPREAD)) ** 2)
     return gains

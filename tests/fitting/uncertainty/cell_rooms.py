@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from indoorfit.fitting.uncertainty import Cells, Contrasts
 from indoorfit.fitting.uncertainty.location import student_t_precisions, weighted_map
+from indoorfit.geometry import MAD_TO_STD
 
 TILE_M = 0.25
 FOCAL_PX = 59.0  # 64 x 48 rays over 57 x 43 degrees
@@ -321,7 +322,7 @@ def _cells(
     weight, owner = np.repeat(tiles.count / 3, 3), np.repeat(group, 3)
     total = np.bincount(group, tiles.count)
     centre = _median(value, weight, owner, groups)
-    scale = np.maximum(1.4826 * _median(np.abs(value - centre[owner]), weight, owner, groups), 1e-9)
+    scale = np.maximum(MAD_TO_STD * _median(np.abs(value - centre[owner]), weight, owner, groups), 1e-9)
     for _ in range(2):
         part = (value - centre[owner]) / (4.685 * scale[owner])
         bite = weight * np.where(np.abs(part) < 1, (1 - part**2) ** 2, 0.0)

@@ -3,10 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from .cells import ROTATIONS, Cells
+from indoorfit.geometry import MAD_TO_STD
 
-MAD_TO_STD = 1.4826
-"""Median absolute deviation of a Gaussian to its standard deviation."""
+from .cells import ROTATIONS, Cells
 
 ROTATION_PRIOR_STD_RAD = 1.0
 """Keeps the normal equations regular where the cells do not fix the rotation (a single plane). A radian is

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from indoorfit.geometry import MAD_TO_STD
+
 from .cells import Cells, Contrasts
 from .laplace import (
     HyperDraws,
@@ -20,7 +22,7 @@ from .laplace import (
     laplace_mode,
     truncated_weights,
 )
-from .location import MAD_TO_STD, student_t_precisions, weighted_map
+from .location import student_t_precisions, weighted_map
 from .pose_cells import SLIP, PoseLayout, PoseLinear, build_layout, linearise
 from .pose_noise import describe_pose_noise
 from .pose_system import WALL_SCALES, PoseState, Robustness, evaluate_pose, slip_covariances

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from indoorfit.geometry import MAD_TO_STD
+
 from .cells import ROTATIONS, Cells, Contrasts
 from .field import (
     LOG_ETA,
@@ -33,7 +35,7 @@ from .laplace import (
     laplace_mode,
     truncated_weights,
 )
-from .location import MAD_TO_STD, student_t_precisions, weighted_map
+from .location import student_t_precisions, weighted_map
 from .predictive import Predictive
 from .wall_noise import describe_wall_noise
 
