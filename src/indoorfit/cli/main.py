@@ -5,6 +5,8 @@ import io
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib.metadata import version
 from typing import Annotated, get_args
@@ -82,7 +84,6 @@ def main() -> None:
         if isinstance(stream, io.TextIOWrapper):
             # A terminal without the sign for plus-minus is no reason to fail after the work is done.
             stream.reconfigure(errors="replace")
-    _end_by_exception()
     try:
         sys.exit(_run())
     except BrokenPipeError:
@@ -108,13 +109,19 @@ class _Ended(BaseException):
         self.number = number
 
 
-def _end_by_exception() -> None:
-    """SIGTERM (kill, a scheduler's limit) and SIGHUP (a closed terminal) end the program by way of `finally`."""
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        # What the caller has switched off (nohup) stays off.
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, _raise_ended)
+@contextmanager
+def _signals_raised() -> Iterator[None]:
+    """SIGTERM (kill, a scheduler's limit) and SIGHUP (a closed terminal) end the block by way of `finally`."""
+    known = [number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
+    # What the caller has switched off (nohup) or handles himself stays so.
+    taken = [number for number in known if signal.getsignal(number) == signal.SIG_DFL]
+    for number in taken:
+        signal.signal(number, _raise_ended)
+    try:
+        yield
+    finally:
+        for number in taken:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _raise_ended(number: int, _frame: object) -> None:
@@ -136,7 +143,8 @@ def _run() -> int:
         if meant := _meant(sys.argv[1:]):
             sys.stderr.write(f"indoorfit: there is no command {sys.argv[1]!r}; did you mean {meant}?\n")
             return USAGE
-        return parse().run()
+        with _signals_raised():
+            return parse().run()
     except IndoorfitError as error:
         end_logging()
         sys.stderr.write(f"{coloured('indoorfit:', sys.stderr)} {error}\n")
