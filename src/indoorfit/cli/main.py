@@ -111,7 +111,7 @@ class _Ended(BaseException):
 
 @contextmanager
 def _signals_raised() -> Iterator[None]:
-    """SIGTERM (kill, a scheduler's limit) and SIGHUP (a closed terminal) end the block by way of `finally`."""
+    """SIGTERM (kill, a time limit) and SIGHUP (a closed terminal) leave the block by way of `finally`."""
     known = [number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None]
     # What the caller has switched off (nohup) or handles himself stays so.
     taken = [number for number in known if signal.getsignal(number) == signal.SIG_DFL]
