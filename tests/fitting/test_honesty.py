@@ -124,6 +124,7 @@ def test_a_spoilt_wall_is_named(code, change, said):
     assert code in codes(result)
     assert wall_id(result) in message(result, code)
     assert said in message(result, code)
+    assert [note.faces for note in result.notes if note.code == code] == [(wall_id(result),)]
     # The rest of the room is as it should be.
     others = {face.id for face in result.faces} - {wall_id(result)}
     assert not any(name in message(result, code) for name in others)

@@ -71,7 +71,7 @@ def result() -> FitResult:
         dimensions=(dimension,),
         meshes=(),
         noise={"sigma_m": np.float64(0.005), "knots": np.array([1.0, np.nan]), "explanation": "Größe"},
-        notes=(Note("WALL_INFERRED", "wall-8 has no points."),),
+        notes=(Note("WALL_INFERRED", "wall-8 has no points.", ("wall-8",)),),
         provenance={"version": "0.1.0", "input": {"name": "scan.ply", "sha256": None}, "seed": 1},
         converged=True,
     )

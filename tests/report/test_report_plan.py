@@ -9,8 +9,9 @@ import pytest
 from PIL import Image
 from rooms import BOX, FLAT, L_ROOM, PILLAR, RAGGED, U_ROOM, X_ROOM, Plan, make_result
 
-from indoorfit.model import Interval
+from indoorfit.model import Interval, Note
 from indoorfit.report import plan_picture, plan_svg, write_plan_png
+from indoorfit.report.arrows import WARNED
 from indoorfit.report.display import Dots, Label, Stroke
 
 HOUSES = {
@@ -73,6 +74,19 @@ def test_every_wall_and_dimension_is_named(result, picture):
     assert {d.id for d in result.dimensions if d.kind != "height"} <= names
     heights = [d.id for d in result.dimensions if d.kind == "height"]
     assert all(any(f"height ({name})" in text for text in texts) for name in heights)
+
+
+def test_walls_of_a_warning_are_marked_and_the_mark_is_explained(result):
+    walls = [face for face in result.faces if face.kind == "wall"]
+    floor = next(face for face in result.faces if face.kind == "floor")
+    warned = replace(result, notes=(Note("OCCLUDED", "Hidden.", (floor.id, *(f.id for f in walls[::2]))),))
+    marked = plan_picture(warned)
+    marks = [item for item in marked.items if isinstance(item, Stroke) and item.colour == WARNED]
+    # The last one is the legend's. Inferred walls are drawn as such already, and floors are not seen.
+    assert [m.shows for m in marks[:-1]] == [(f.id,) for f in walls[::2] if f.status == "observed"]
+    assert sum("warning" in item.text for item in marked.items if isinstance(item, Label)) == 1
+    plain = plan_picture(replace(result, notes=(Note("PRIOR_DOMINATED", "Little was learnt."),)))
+    assert not any(isinstance(item, Stroke) and item.colour == WARNED for item in plain.items)
 
 
 def test_every_value_is_written(result, picture):

@@ -115,7 +115,7 @@ def find_plan(
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:
-    """At least two lines of each axis: where one wall was seen, the room is closed where the scan ends."""
+    """At least two lines of each axis: where there is one, the room is closed where the scan ends."""
     closed, notes = list(lines), []
     for axis, name in enumerate("xy"):
         found = len(lines[axis].offsets_m)
@@ -129,11 +129,16 @@ def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lin
             notes.append(
                 Note(
                     "PARTIAL_SCAN",
-                    f"Only one wall across {name} was seen. The room is closed where the scan ends, and is "
-                    "at least as long as that; the true length is not in its interval. Scan the other side.",
+                    f"{(_ONE_SEEN if lines[axis].seen[0] else _NONE_SEEN).format(name)} The room is closed "
+                    "where the scan ends, and is at least as long as that; the true length is not in its "
+                    "interval. Scan the walls that are missing.",
                 )
             )
     return (closed[0], closed[1]), tuple(notes)
+
+
+_ONE_SEEN = "Only one wall across {} was seen."
+_NONE_SEEN = "No wall across {} was seen, only where floor, ceiling or another wall ends."
 
 
 def _numbered(rooms: list[Bool[np.ndarray, "nx ny"]]) -> Int[np.ndarray, "nx ny"]:

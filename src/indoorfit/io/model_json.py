@@ -3,7 +3,7 @@
 Field names are the contract's. Beyond it, so that nothing is lost: top-level ``planes``, ``converged``,
 ``adjacency`` and, where known, ``textures``, ``plane_covariance`` and ``tape``; ``sides`` of cubes, ``side``
 and ``plane`` of faces, ``room``, ``wall`` and ``loa`` of dimensions, ``coverage_factor``, ``budget`` and
-``intervals`` of quantities.
+``intervals`` of quantities, ``faces`` of warnings.
 """
 
 import json
@@ -25,6 +25,7 @@ from ..model import (
     Face,
     FitResult,
     Interval,
+    Note,
     Plane,
     Quantity,
     Room,
@@ -68,7 +69,7 @@ def to_document(result: FitResult) -> dict[str, Any]:
         # Left out where there are none, as in documents from before there were textures.
         **({} if result.textures is None else {"textures": _textures(result.textures)}),
         "noise": _plain(result.noise, "noise"),
-        "warnings": [{"code": note.code, "message": note.message} for note in result.notes],
+        "warnings": [_warning(note) for note in result.notes],
         "provenance": _plain(result.provenance, "provenance"),
     }
     if result.plane_covariance_m2 is not None:
@@ -94,6 +95,11 @@ def write_model_json(path: str | Path, result: FitResult, *, overwrite: bool = T
     content = document_bytes(to_document(result))
     with atomic_file(path, overwrite=overwrite) as file:
         file.write(content)
+
+
+def _warning(note: Note) -> dict[str, Any]:
+    about = {"faces": list(note.faces)} if note.faces else {}
+    return {"code": note.code, "message": note.message, **about}
 
 
 def _numbers(array: np.ndarray) -> list:

@@ -73,7 +73,7 @@ def read_model_json(path: str | Path) -> FitResult:
         dimensions=dimensions,
         meshes=(),
         noise=root["noise"].mapping(),
-        notes=tuple(Note(n["code"].text(), n["message"].text()) for n in root["warnings"].items()),
+        notes=tuple(_note(node) for node in root["warnings"].items()),
         provenance=root["provenance"].mapping(),
         converged=root["converged"].truth(),
         adjacency=tuple(_doorway(node, room_ids, face_ids) for node in root["adjacency"].items()),
@@ -81,6 +81,11 @@ def read_model_json(path: str | Path) -> FitResult:
         plane_covariance_m2=_covariance(root, len(planes)),
         tape=_tape(root["tape"]) if "tape" in root.mapping() else None,
     )
+
+
+def _note(node: JsonNode) -> Note:
+    faces = node["faces"].items() if "faces" in node.mapping() else ()
+    return Note(node["code"].text(), node["message"].text(), tuple(face.text() for face in faces))
 
 
 def _covariance(root: JsonNode, n_planes: int) -> np.ndarray | None:

@@ -16,5 +16,6 @@ def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:
             "FACE_INFERRED",
             f"Not observed: {names}. Each is placed where the surfaces around it end, and dimensions that "
             "rest on it are marked inferred; scan it, or measure it by hand, to be sure.",
+            tuple(inferred),
         ),
     )

@@ -11,3 +11,5 @@ class Note:
     """Upper case with underscores, e.g. ``WALL_INFERRED``."""
     message: str
     """What was found, with numbers and units, and what to do about it."""
+    faces: tuple[str, ...] = ()
+    """Ids of the faces that it is about, for the plan to point them out; empty where it is about none."""

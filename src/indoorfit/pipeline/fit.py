@@ -269,6 +269,7 @@ def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
                 "NOT_CONVERGED",
                 f"The fit did not come to rest: the points{at} keep changing between planes. Fix: look at "
                 "the plan there for a wall that is not there, and forbid it; or raise joint.max_rounds.",
+                tuple(faces),
             )
         )
     return tuple(notes)

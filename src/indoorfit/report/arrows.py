@@ -24,6 +24,8 @@ LINE = "#35607f"
 TEXT = "#1d2b36"
 ACCENT = "#0f6ab4"
 INFERRED = "#b4540a"
+WARNED = "#f0c36d"
+"""Behind the line of a wall: pale enough for the line to stay the darkest."""
 
 
 @dataclass(frozen=True)

@@ -5,11 +5,12 @@ import numpy as np
 from indoorfit.export import quantity_text
 from indoorfit.model import FitResult, Room
 
-from .arrows import INFERRED, TEXT
+from .arrows import INFERRED, TEXT, WARNED
 from .display import Item, Label, Region, Stroke
 from .doorways import doorway_text
 from .facts import input_name, level_text
 from .lettering import text_width
+from .outline import BAND, warned_walls
 
 _QUIET = "#5c646b"
 _LINE = "#2a2d30"
@@ -46,8 +47,10 @@ def caption(
     """
     bar, bar_width = _scale_bar(scale)
     items: list[Item] = [*bar, *_axes(np.array([bar_width + 46.0, 16.0]))]
-    items += _legend(result, np.array([bar_width + 120.0, 0.0]))
-    y = 58.0
+    legend = _legend(result, np.array([bar_width + 120.0, 0.0]))
+    items += legend
+    # Below the scale bar and every line of the legend, of which each is a stroke and a label.
+    y = max(58.0, 0.5 * len(legend) * _ROW + 9.0)
     if denominator is not None:
         text = f"Scale 1:{denominator} when printed without fitting to the page"
         items.append(Label(text, (0.0, y), 11.5, TEXT, "start"))
@@ -128,6 +131,8 @@ def _legend(result: FitResult, corner: np.ndarray) -> list[Item]:
         kinds.append(("inferred: no points on it", INFERRED, 2.0, (8.0, 5.0)))
     if any(face.kind == "step" for face in result.faces):
         kinds.append(("side of a step (dashed: overhead)", _LINE, 1.0, None))
+    if warned_walls(result):
+        kinds.append(("a warning is about this wall", WARNED, BAND, None))
     for k, (text, colour, width, dash) in enumerate(kinds):
         at = corner + np.array([0.0, 9.0 + k * 18.0])
         items.append(Stroke(line + at, colour, width, dash))

@@ -184,6 +184,12 @@ def outline_of(result: FitResult, scale: float | None = None) -> Outline:
     return Outline(scale, walls, oblique, tuple(steps), floors, _boxes(floors), z_range_m)
 
 
+def warned_walls(result: FitResult) -> set[str]:
+    """Ids of the walls that a warning is about, but for those that are drawn as inferred anyway."""
+    named = {face for note in result.notes for face in note.faces}
+    return {f.id for f in result.faces if f.kind == "wall" and f.status == "observed" and f.id in named}
+
+
 def _wall_line(result: FitResult, face: Face, corners: Float[np.ndarray, "corners 2"]) -> WallLine:
     plane = result.shape.planes[face.plane]
     low, high = corners[:, 1 - plane.axis].min(), corners[:, 1 - plane.axis].max()

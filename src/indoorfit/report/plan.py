@@ -9,13 +9,13 @@ from jaxtyping import Float, Int
 from indoorfit.files import replace_file
 from indoorfit.model import FitResult
 
-from .arrows import INFERRED, draw_placement
+from .arrows import INFERRED, WARNED, draw_placement
 from .caption import caption, heading
 from .display import Dots, Item, Label, Picture, Region, Stroke
 from .doorways import draw_doorways
 from .layout import Layout, lay_out
 from .names import FLOOR
-from .outline import BAND, Outline
+from .outline import BAND, Outline, warned_walls
 from .raster import to_image
 from .svg import to_svg
 
@@ -79,7 +79,12 @@ def plan_picture(
     plan = layout or lay_out(result)
     outline = plan.outline
     arrows = [item for placement in plan.placements for item in draw_placement(placement)]
-    drawing = [*_rooms(outline), *scan_dots(result, outline, points_m), *_steps(outline), *_walls(outline)]
+    drawing = [
+        *_rooms(outline, warned_walls(result)),
+        *scan_dots(result, outline, points_m),
+        *_steps(outline),
+        *_walls(outline),
+    ]
     drawing += draw_doorways(result, outline)
     # Texts last: no line may cross one, and their halos must not eat into a wall that comes later.
     marks = [*plan.names, *arrows]
@@ -112,11 +117,12 @@ def _sheet(result: FitResult, plan: Layout, drawing: list[Item]) -> Picture:
     return Picture(width + 2 * _MARGIN, height, _PAPER, tuple(items), "Measured plan", description)
 
 
-def _rooms(outline: Outline) -> list[Item]:
-    """Grey bands around the rooms, then the floors over their inner halves."""
+def _rooms(outline: Outline, warned: set[str]) -> list[Item]:
+    """Grey bands around the rooms, coloured where a warning names the wall; floors over their inner halves."""
     polygons = [rings for room in outline.floors.values() for rings in room]
     bands: list[Item] = [Region(rings, None, _SOLID, 2 * BAND) for rings in polygons]
     bands += [Region((partition,), _SOLID) for partition in outline.partitions()]
+    bands += [Stroke(w.points(), WARNED, 2 * BAND, shows=(w.id,)) for w in outline.walls if w.id in warned]
     return bands + [Region(rings, FLOOR) for rings in polygons]
 
 

@@ -20,7 +20,7 @@ def block_notes(evidence: Evidence, points: FacePoints, config: HonestyConfig) -
     if points.frames is None or points.n_frames < 2:
         return ()
     n_blocks = min(config.frame_blocks, points.n_frames)
-    parts = []
+    parts, found = [], []
     for plane in evidence.judged:
         frames = points.frames[plane]
         if len(frames) == 0:
@@ -30,6 +30,7 @@ def block_notes(evidence: Evidence, points: FacePoints, config: HonestyConfig) -
         # With few stations, as a laser scanner has, two of them are already independent witnesses.
         few = n_blocks == config.frame_blocks and n_seen < config.min_blocks
         if few or share.max() > config.max_block_share:
+            found.append(plane)
             parts.append(
                 f"{evidence.listed([plane])} ({n_seen} of {n_blocks} blocks, {100 * share.max():.0f} % of "
                 "the points from one)"
@@ -43,5 +44,6 @@ def block_notes(evidence: Evidence, points: FacePoints, config: HonestyConfig) -
             f"Seen by few {blocks}: {'; '.join(parts)}. If these were registered wrongly, the face is "
             "displaced as a whole, and no residual shows it. Pass it again from elsewhere, or measure by "
             "hand.",
+            evidence.named(found),
         ),
     )

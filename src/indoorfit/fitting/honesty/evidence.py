@@ -42,9 +42,13 @@ class Evidence:
         """Observed planes that are part of the model's surface."""
         return [k for k in sorted(self.faces) if self.shape.planes[k].status == "observed"]
 
+    def named(self, planes: Iterable[int]) -> tuple[str, ...]:
+        """Ids of all faces on these planes."""
+        return tuple(name for plane in planes for name in self.faces[plane])
+
     def listed(self, planes: Iterable[int]) -> str:
         """Names of the faces on these planes, the first few of many."""
-        names = [name for plane in planes for name in self.faces[plane]]
+        names = self.named(planes)
         more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
         return ", ".join(names[:_NAMED]) + more
 

@@ -58,7 +58,7 @@ def flatness_notes(evidence: Evidence, config: HonestyConfig, field: WallFieldCo
                 )
                 for row in rows
             ]
-            notes.append(Note(code, _message(code, parts)))
+            notes.append(Note(code, _message(code, parts), evidence.named(judged[row] for row in rows)))
     return tuple(notes)
 
 

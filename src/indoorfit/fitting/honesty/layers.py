@@ -23,13 +23,14 @@ def layer_notes(evidence: Evidence, points: FacePoints, config: HonestyConfig) -
     # What lies within the noise model's reach is in the intervals.
     noise = evidence.wall.noise
     wander_m = float(np.hypot(noise["tau_m"]["median"], noise["eta_m"]["median"]))
-    parts = []
+    parts, found = [], []
     for plane in evidence.judged:
         gaps_m = _layered_panels(points.places_m[plane], points.residuals_m[plane], config)
         wide = [gap_m for gap_m in gaps_m if 0.5 * gap_m > U95 * wander_m]
         if wide:
             gap_mm = 1e3 * float(np.median(wide))
             where = f"in {len(wide)} panel(s) of {_PANEL_M:g} m"
+            found.append(plane)
             parts.append(f"{evidence.listed([plane])} ({gap_mm:.0f} mm apart {where})")
     if not parts:
         return ()
@@ -39,6 +40,7 @@ def layer_notes(evidence: Evidence, points: FacePoints, config: HonestyConfig) -
             f"Two layers over each other: {'; '.join(parts)}. Two passes of the scan do not agree, and the "
             "points cannot tell which one is right; the value lies between them. Register the scan again, or "
             "measure by hand.",
+            evidence.named(found),
         ),
     )
 

@@ -46,6 +46,7 @@ def misfit_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
             f"More scatter than the noise model has for the room as a whole: {parts}. Intervals of lengths "
             "that end there have been widened for it. Look there for what is not wall; scan it "
             "again or measure by hand.",
+            evidence.named(plane for plane, _ in found),
         ),
     )
 
@@ -79,6 +80,7 @@ def seen_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
                 f"Seen over less than {100 * config.min_coverage:.0f} % of its area: "
                 f"{evidence.listed(hidden)} ({shares}). What was measured may be what stands before it; "
                 "scan it again or measure by hand.",
+                evidence.named(hidden),
             )
         )
     screened = evidence.wall.screened
@@ -98,8 +100,9 @@ def seen_notes(evidence: Evidence, config: HonestyConfig) -> tuple[Note, ...]:
             Note(
                 "CONTAMINATED",
                 f"Much of what was taken for wall contradicts the rest of it: {parts}. They count for little "
-                "in the fit, but if more than half of a face is furniture, the furniture is measured. Look "
-                "at the plan; clear the wall, or measure by hand.",
+                "in the fit, but if more than half of a face is furniture, the furniture is measured. "
+                "The plan marks the wall; clear it and scan it again, or measure by hand.",
+                evidence.named(k for k, _, _ in spoilt),
             )
         )
     return tuple(notes)
