@@ -1,4 +1,4 @@
-"""The stages of a run as they begin and end, told to whoever listens to the log. Imports nothing heavy."""
+"""Stages of a run as they begin and end, and the state of a batch, told to the log. Imports nothing heavy."""
 
 import logging
 import time
@@ -35,3 +35,11 @@ def announced(name: str) -> Iterator[None]:
     yield
     seconds = time.perf_counter() - start
     log.debug("%s took %.2f s", name, seconds, extra={"stage": name, "seconds": seconds})
+
+
+def counted(done: int, total: int) -> None:
+    """Log at debug level that so many fits of a batch are done.
+
+    The record carries both numbers as `progress`, for a display of it.
+    """
+    log.debug("%d of %d fits", done, total, extra={"progress": (done, total)})

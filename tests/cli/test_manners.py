@@ -82,6 +82,30 @@ def test_between_stages_the_terminal_is_free_for_the_output():
     line.clear()
 
 
+def test_a_terminal_sees_how_far_a_batch_is(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text(
+        '[[simulate]]\nname = "room"\nplan = "box"\nrooms = 1\npoints = 6000\n', encoding="utf-8"
+    )
+    arguments = ["evaluate", study, "--out", tmp_path / "batch", "--workers", "1"]
+    code, shown = on_terminal(arguments)
+    assert code == 0
+    assert "[....................] 0 of 1 fits (" in shown
+    assert shown.rstrip().endswith(f"written to {tmp_path / 'batch'}")
+    # Nothing is left to do, and nothing is shown of it.
+    assert on_terminal([*arguments, "--quiet"]) == (0, "")
+
+
+def test_a_batch_fills_the_bar_by_its_share():
+    terminal = io.StringIO()
+    line = ProgressLine(terminal)
+    for done in range(5):
+        line.count(done, 4)
+    assert "[##########..........] 2 of 4 fits (" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\x1b[2K")
+    line.clear()
+
+
 @pytest.mark.parametrize(
     ("environment", "colours"),
     [({"NO_COLOR": None}, True), ({"NO_COLOR": "1"}, False), ({"NO_COLOR": None, "TERM": "dumb"}, False)],

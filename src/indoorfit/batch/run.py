@@ -9,6 +9,7 @@ from pathlib import Path
 
 from indoorfit.errors import ConfigError, OutputError
 from indoorfit.files import atomic_file
+from indoorfit.stages import counted
 
 from .cluster import run_on_dask
 from .collect import TABLE_FILES
@@ -64,6 +65,7 @@ def run_batch(study: Study, out: str | Path, options: RunOptions | None = None) 
         for name in TABLE_FILES:
             (folder / name).unlink(missing_ok=True)
     progress = _Progress(len(missing))
+    counted(0, len(missing))
 
     def keep(job: Job, row: Row, timing: Timing) -> None:
         _write(folder / "rows" / f"{job.key}.json", row)
@@ -163,3 +165,4 @@ class _Progress:
             "[%d/%d] %s, %s: %s (%.1f s; about %.0f s left)",
             self.done, self.total, job.name, job.config_name, said, timing["wall_s"], left_s,
         )  # fmt: skip
+        counted(self.done, self.total)

@@ -1,4 +1,4 @@
-"""One line on a terminal: how far the run is, which stage is at work, and for how long."""
+"""One line on a terminal: how far the run is, what is at work, and for how long."""
 
 import threading
 import time
@@ -31,8 +31,9 @@ class ProgressLine:
         self._stream = stream
         self._lock = threading.RLock()
         self._stage: str | None = None
-        self._done = 0
-        self._start_s = self._stage_start_s = time.perf_counter()
+        self._share = 0.0
+        self._start_s = time.perf_counter()
+        self._stage_start_s: float | None = None
         self._stopped = threading.Event()
         self._ticker: threading.Thread | None = None
 
@@ -44,12 +45,18 @@ class ProgressLine:
             self._stage, self._stage_start_s = stage, time.perf_counter()
             if stage in STAGES:
                 # Stages that come back take nothing off the bar.
-                self._done = max(self._done, STAGES.index(stage))
-            self._draw()
-            if self._ticker is None:
-                self._stopped.clear()
-                self._ticker = threading.Thread(target=self._tick, daemon=True)
-                self._ticker.start()
+                self._share = max(self._share, STAGES.index(stage) / len(STAGES))
+            self._show()
+
+    def count(self, done: int, total: int) -> None:
+        """So many fits of a batch are done; after the last one the line is gone."""
+        if done >= total:
+            self.clear()
+        elif self._stream is not None:
+            with self._lock:
+                self._stage, self._stage_start_s = f"{done} of {total} fits", None
+                self._share = done / total
+                self._show()
 
     def end(self) -> None:
         """The stage is done; until the next one begins the line is empty, and after the last one gone."""
@@ -69,7 +76,7 @@ class ProgressLine:
         self._stopped.set()
         self._ticker.join()
         with self._lock:
-            self._ticker, self._stage, self._done = None, None, 0
+            self._ticker, self._stage, self._share = None, None, 0.0
             self._stream.write(_CLEAR)
             self._stream.flush()
 
@@ -83,6 +90,13 @@ class ProgressLine:
             if self._ticker is not None:
                 self._draw()
 
+    def _show(self) -> None:
+        self._draw()
+        if self._ticker is None:
+            self._stopped.clear()
+            self._ticker = threading.Thread(target=self._tick, daemon=True)
+            self._ticker.start()
+
     def _tick(self) -> None:
         while not self._stopped.wait(_TICK_S):
             with self._lock:
@@ -92,8 +106,8 @@ class ProgressLine:
         if self._stream is None or self._stage is None:
             return
         now_s = time.perf_counter()
-        full = round(_WIDTH * self._done / len(STAGES))
+        full = round(_WIDTH * self._share)
         bar = "#" * full + "." * (_WIDTH - full)
-        spent = f"{self._stage} {now_s - self._stage_start_s:.1f} s"
-        self._stream.write(f"{_CLEAR}[{bar}] {spent} ({now_s - self._start_s:.1f} s in all)")
+        spent = "" if self._stage_start_s is None else f" {now_s - self._stage_start_s:.1f} s"
+        self._stream.write(f"{_CLEAR}[{bar}] {self._stage}{spent} ({now_s - self._start_s:.1f} s in all)")
         self._stream.flush()

@@ -46,7 +46,7 @@ def coloured(text: str, stream: Stream, colour: str = _RED) -> str:
 
 
 class TerminalHandler(logging.Handler):
-    """Messages as lines, and the stage that is at work as a line below them."""
+    """Messages as lines, and the stage that is at work, or how far a batch is, as a line below them."""
 
     def __init__(self, stream: Stream, threshold: int, progress: bool) -> None:
         super().__init__(logging.DEBUG)
@@ -56,6 +56,10 @@ class TerminalHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Show one message, or one step of the progress."""
+        progress = getattr(record, "progress", None)
+        if progress is not None:
+            self.line.count(*progress)
+            return
         stage = getattr(record, "stage", None)
         ended = hasattr(record, "seconds")
         # That a stage begins is the line's business alone.

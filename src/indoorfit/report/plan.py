@@ -118,7 +118,7 @@ def _sheet(result: FitResult, plan: Layout, drawing: list[Item]) -> Picture:
 
 
 def _rooms(outline: Outline, warned: set[str]) -> list[Item]:
-    """Grey bands around the rooms, coloured where a warning names the wall; floors over their inner halves."""
+    """Grey bands around the rooms, coloured where a warning names the wall; floors over inner halves."""
     polygons = [rings for room in outline.floors.values() for rings in room]
     bands: list[Item] = [Region(rings, None, _SOLID, 2 * BAND) for rings in polygons]
     bands += [Region((partition,), _SOLID) for partition in outline.partitions()]
