@@ -97,9 +97,28 @@ def block_covariance(
     block: Block, phi: Float[np.ndarray, " 4"], inflation_m2: Float[np.ndarray, " cells"]
 ) -> Float[np.ndarray, "rows rows"]:
     """V of one plane, m^2."""
-    tau, length, eta, tilt = np.exp(phi)
-    covariance = tau**2 * np.exp(block.distance_m / -length) + tilt**2 * block.lever_m2
-    covariance[np.diag_indices_from(covariance)] += eta**2 + block.variance_m2 + inflation_m2[block.rows]
+    scales = np.exp(phi)
+    return _covariance(block, scales, _correlation(block, scales), inflation_m2)
+
+
+def _correlation(block: Block, scales: Float[np.ndarray, "4 ..."]) -> Float[np.ndarray, "*draws rows rows"]:
+    """The wandering part over its variance."""
+    return np.exp(block.distance_m / -scales[LOG_LENGTH, ..., None, None])
+
+
+def _covariance(
+    block: Block,
+    scales: Float[np.ndarray, "4 ..."],
+    correlation: Float[np.ndarray, "*draws rows rows"],
+    inflation_m2: Float[np.ndarray, " cells"],
+) -> Float[np.ndarray, "*draws rows rows"]:
+    """V of one plane, m^2, for one exp(phi) or many."""
+    tau, _, eta, tilt = scales[..., None, None]
+    covariance = tau**2 * correlation + tilt**2 * block.lever_m2
+    # A view of the diagonals.
+    np.einsum("...ii->...i", covariance)[...] += eta[..., 0] ** 2 + (
+        block.variance_m2 + inflation_m2[block.rows]
+    )
     return covariance
 
 
@@ -129,12 +148,10 @@ def evaluate(
     normal, right = np.diag(field.precision), np.zeros(size)
     log_det = 0.0
     parts = []
-    tau, length, eta, tilt = np.exp(phi)
+    tau, length, eta, tilt = scales = np.exp(phi)
     for block in field.blocks:
-        shape = np.exp(block.distance_m / -length)
-        covariance = tau**2 * shape + tilt**2 * block.lever_m2
-        covariance.flat[:: len(shape) + 1] += eta**2 + block.variance_m2 + inflation_m2[block.rows]
-        inverse, block_log_det = _inverse(covariance)
+        shape = _correlation(block, scales)
+        inverse, block_log_det = _inverse(_covariance(block, scales, shape, inflation_m2))
         log_det += block_log_det
         weighted = inverse @ block.design
         target = inverse @ block.target_m
@@ -177,12 +194,9 @@ def log_likelihoods(
     draws, size = len(phis), len(field.precision)
     normal = np.tile(np.diag(field.precision), (draws, 1, 1))
     right, log_det, quadratic = np.zeros((draws, size)), np.zeros(draws), np.zeros(draws)
-    tau, length, eta, tilt = np.exp(phis).T[:, :, None, None]
+    scales = np.exp(phis).T
     for block in field.blocks:
-        covariance = tau**2 * np.exp(block.distance_m / -length) + tilt**2 * block.lever_m2
-        fixed = np.diag(block.variance_m2 + inflation_m2[block.rows])
-        covariance += fixed + eta**2 * np.eye(len(fixed))
-        factor = np.linalg.cholesky(covariance)
+        factor = np.linalg.cholesky(_covariance(block, scales, _correlation(block, scales), inflation_m2))
         log_det += 2.0 * np.sum(np.log(np.diagonal(factor, axis1=1, axis2=2)), axis=1)
         stacked = np.column_stack([block.design, block.target_m])
         whitened = np.linalg.solve(factor, np.broadcast_to(stacked, (draws, *stacked.shape)))
