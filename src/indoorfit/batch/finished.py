@@ -14,8 +14,10 @@ def finished_batch(folder: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, ValueError, KeyError, TypeError, csv.Error) as e:
+        # An OSError's own text begins with its number, which tells nobody anything.
+        why = f"{Path(e.filename).name}: {e.strerror}" if isinstance(e, OSError) and e.filename else e
         raise InputError(
-            f"{folder}: is no finished batch ({e}). Fix: run `indoorfit evaluate MANIFEST --out {folder}`."
+            f"{folder}: is no finished batch ({why}). Fix: run `indoorfit evaluate MANIFEST --out {folder}`."
         ) from e
 
 

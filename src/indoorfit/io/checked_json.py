@@ -125,9 +125,12 @@ def read_json(path: Path) -> JsonNode:
         )
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as e:
-        reason = (e.strerror if isinstance(e, OSError) else None) or "not UTF-8 text"
-        raise InputError(f"{path.name}: cannot be read: {reason}. Fix: check the path.") from e
+    except OSError as e:
+        raise InputError(f"{path.name}: cannot be read: {e.strerror}. Fix: check the path.") from e
+    except UnicodeDecodeError as e:
+        raise InputError(
+            f"{path.name}: is not UTF-8 text; a JSON file is needed. Fix: name the file, e.g. its model.json."
+        ) from e
     try:
         return JsonNode(json.loads(text), path.name)
     except (ValueError, RecursionError) as e:

@@ -146,6 +146,9 @@
     [l.width, l.height] = [l.element.offsetWidth, l.element.offsetHeight];
   });
   const spot = new THREE.Vector3();
+  // Pixels around every label. One room has some 20 labels and needs no more than that they do not touch; in a
+  // storey they would cover the picture, so fewer are shown with more room, and zooming in brings the rest.
+  const apart = Math.min(Math.max(labels.length / 8, 3), 20);
   function placeLabels() {
     const taken = [];
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -156,7 +159,8 @@
         spot.copy(at).project(camera);
         if (spot.z >= 1 || at.y > cut.constant) return false;
         const [x, y] = [(0.5 + 0.5 * spot.x) * width, (0.5 - 0.5 * spot.y) * height];
-        const box = [x - l.width / 2 - 3, y - l.height / 2 - 2, x + l.width / 2 + 3, y + l.height / 2 + 2];
+        const [half, tall] = [l.width / 2 + apart, l.height / 2 + apart / 1.5];
+        const box = [x - half, y - tall, x + half, y + tall];
         if (box[0] < 0 || box[1] < 0 || box[2] > width || box[3] > height) return false;
         if (taken.some((t) => box[0] < t[2] && t[0] < box[2] && box[1] < t[3] && t[1] < box[3])) return false;
         taken.push(box);
