@@ -94,8 +94,8 @@ def _roofed(
 ) -> Float[np.ndarray, "nx ny"]:
     """Share of each cell under a ceiling.
 
-    A vault counts as the main level does. At another level, a surface overhead is a ceiling only as far as there is floor below:
-    without, it is the head of a window or the top of a cupboard.
+    A vault counts as the main level does. At another level, a surface overhead is a ceiling only as far as
+    there is floor below: without, it is the head of a window or the top of a cupboard.
     """
     share = cell_coverage(np.concatenate([surfaces.ceiling_m[main], surfaces.vault_m]), grid, surfaces)
     whole = cell_coverage(surfaces.ceiling_m, grid, surfaces)

@@ -22,7 +22,7 @@ class Surfaces:
     """Surfels of no surface: edges, and walls too narrow for a surface of their own."""
     ceiling_m: Float[np.ndarray, "c 3"]
     vault_m: Float[np.ndarray, "v 3"]
-    """Surfels of large sloped surfaces overhead: vaults and roofs. They tell what is inside, but no height."""
+    """Surfels of large sloped surfaces overhead, vaults and roofs: they tell what is inside, no height."""
     floor_m: Float[np.ndarray, "f 3"]
     floor_height_m: float
     """The level with most floor."""
@@ -106,7 +106,7 @@ def find_surfaces(surfels: Surfels, segments: Segments, classes: tuple[FaceClass
 _VAULT_M2 = 2.0
 """Least size of a sloped surface that covers a room; lampshades and lids are smaller."""
 _SLOPE = (float(np.sin(np.radians(8.0))), float(np.cos(np.radians(8.0))))
-"""Height components of normals between upright and level, as walls and ceilings are told from other surfaces."""
+"""Height components of normals between upright and level, as walls and ceilings are told from the rest."""
 
 
 def _overhead(
