@@ -13,6 +13,7 @@ import numpy as np
 from indoorfit import ConfigError
 from indoorfit.model import Shape
 from indoorfit.simulate import (
+    ObliqueWall,
     RandomSceneSettings,
     Registration,
     SamplingSettings,
@@ -140,6 +141,21 @@ def _steps(seed: int) -> VirtualScan:
     return scanned(seed, regime("5mm"), settings, (4, 6, 8))
 
 
+def _skew(seed: int) -> VirtualScan:
+    """A furnished box of which one end is not square: 10 to 25 degrees off."""
+    rng = np.random.default_rng(seed)
+    scene = random_scene(rng, replace(FURNISHED, n_walls=4, n_windows=0, n_doors=0, uneven_m=0.0))
+    (x0, x1), (y0, y1) = scene.rooms[0].x_lines_m, scene.rooms[0].y_lines_m
+    shift_m = float(np.tan(np.radians(rng.uniform(10.0, 25.0)))) * (y1 - y0)
+    end = ObliqueWall(0, (x1, y0), (x1 - min(shift_m, 0.7 * (x1 - x0)), y1))
+    # Nothing stands where the room now ends.
+    things = tuple(item for item in scene.furniture if item.centre_m[0] < x1 - shift_m - 1.0)
+    scene = replace(scene, oblique_walls=(end,), furniture=things)
+    path = handheld_path(scene, int(rng.integers(60, 121)), rng, "walk")
+    pose = ScanSettings(pixel_step=_PIXEL_STEP, n_threads=1, **_random_pose(rng))
+    return virtual_scan(scene, load_sensor("kinect_v1"), path, regime("5mm"), rng, pose)
+
+
 SUITES: dict[str, Suite] = {
     "thesis": Suite("points with normal noise of 0.5 cm (thesis 5.1.1)", _sampled),
     "full": Suite(
@@ -182,4 +198,5 @@ SUITES: dict[str, Suite] = {
         "a corner cut off by a wall of its own direction",
         lambda seed: scanned(seed, regime("5mm"), replace(_BARE, oblique=True)),
     ),
+    "skew": Suite("a furnished box with one end that is not square", _skew),
 }

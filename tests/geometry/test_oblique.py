@@ -74,3 +74,17 @@ def test_the_cube_behind_an_oblique_wall_reaches_nothing_else():
     volume = subtract_cubes(shape, shape.rooms[0]).volume_m3
     low = cut(L_ROOM, "cube-0", ("-x", "-y"), 0.5, 0.5)
     assert volume == pytest.approx(subtract_cubes(low, low.rooms[0]).volume_m3, abs=1e-6)
+
+
+def test_an_oblique_wall_may_stand_in_the_place_of_another():
+    box = shape_from_plan([0.0, 5.0], [0.0, 4.0], [np.array([[True]])], [(0.0, 2.5)])
+    shape = cut(box, "cube-0", ("+x", "+y"), 0.8, 4.0)
+    solid = subtract_cubes(shape, shape.rooms[0])
+    assert solid.is_closed
+    assert solid.volume_m3 == pytest.approx(2.5 * (20.0 - 0.5 * 0.8 * 4.0), abs=1e-6)
+    # Floor, ceiling, three walls and the oblique one: what it replaced is no face.
+    assert len(face_polygons(solid)) == 6
+    areas_m2 = [exposure.area_m2 for exposure in exposures(shape)]
+    replaced = shape.rooms[0].sides["+x"]
+    assert areas_m2[replaced] == pytest.approx(0.0, abs=1e-9)
+    assert sum(areas_m2) == pytest.approx(sum(face.area_m2 for face in face_polygons(solid)), abs=1e-5)

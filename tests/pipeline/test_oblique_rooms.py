@@ -31,6 +31,8 @@ SCENES = {
     "two corners": Scene(
         (BOX,), oblique_walls=(ObliqueWall(0, (3.9, 0.0), (5.0, 1.1)), ObliqueWall(0, (0.0, 1.2), (0.8, 0.0)))
     ),
+    # One end of the room is not square: no wall of the other two directions is left there.
+    "end": Scene((BOX,), oblique_walls=(ObliqueWall(0, (5.0, 0.0), (4.1, 4.0)),)),
     # The inner corner of the L, which stands in the room.
     "edge": Scene((L_ROOM,), oblique_walls=(ObliqueWall(0, (3.9, 2.5), (3.0, 3.4)),)),
     # A screen of 2 m before a corner: seen as well as a wall, but no wall.
@@ -65,7 +67,7 @@ def test_the_room_is_found_with_its_oblique_walls_and_no_other(name):
     assert fitted(name).converged
 
 
-@pytest.mark.parametrize("name", ["corner", "two corners", "edge"])
+@pytest.mark.parametrize("name", ["corner", "two corners", "end", "edge"])
 def test_lengths_at_oblique_corners_lie_in_their_intervals(name):
     checks = compare(fitted(name), truth_of(name)).lengths
     # Of a dozen intervals at 95 % two may miss: more have a chance of 2 %.

@@ -1,10 +1,12 @@
 """Candidate wall lines: where walls were seen, and where floor and ceiling end without one."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from .oblique import ObliqueLine
 from .surfaces import Surfaces
 
 
@@ -43,13 +45,18 @@ def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> Candid
     return replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
 
 
-def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines, Lines]:
+def candidate_lines(
+    surfaces: Surfaces, config: CandidateConfig, oblique: Sequence[ObliqueLine] = ()
+) -> tuple[Lines, Lines]:
     """Candidates perpendicular to x, and to y.
 
     Args:
         surfaces: sorted evidence, Manhattan frame.
         config: see `CandidateConfig`, and `widened`.
+        oblique: walls of other directions: where one of them stands in the place of a wall of these, the
+            room's box ends where that one ends.
     """
+    reach_m = end_reach(surfaces)
     area_m2 = (surfaces.pixel_m / 2.0) ** 2
     seen = [
         _cluster(surfaces.wall_segments[axis], surfaces.walls_m[axis][:, axis], area_m2, config)
@@ -58,8 +65,12 @@ def candidate_lines(surfaces: Surfaces, config: CandidateConfig) -> tuple[Lines,
     across_x, across_y = (
         _with_ends(
             seen[axis],
-            [*coverage_ends(surfaces, axis, config), *_wall_ends(surfaces, axis, seen[1 - axis][1], config)],
-            end_reach(surfaces),
+            [
+                *(end_m for line in oblique for end_m in line.closing_m(axis, seen[1 - axis][0], reach_m)),
+                *coverage_ends(surfaces, axis, config),
+                *_wall_ends(surfaces, axis, seen[1 - axis][1], config),
+            ],
+            reach_m,
         )
         for axis in (0, 1)
     )

@@ -169,14 +169,14 @@ def _possible(
             tip_m = np.array([grid[0][i], grid[1][j]])
             if away @ tip_m <= away @ (line.offset_m * line.normal) + reach_m:
                 continue
-            corners_m = np.array([_on(line, 0, tip_m[0]), _on(line, 1, tip_m[1]), tip_m])
-            wall_nats = _wall_nats(line, corners_m[:2], surfaces, config)
-            yield Cut(line, (i, j), away, Corner(corners_m, floor=False), wall_nats)
+            corners_m = np.array([line.crossing_m(0, tip_m[0]), line.crossing_m(1, tip_m[1]), tip_m])
+            nats = wall_nats(line, corners_m[:2], surfaces, config)
+            yield Cut(line, (i, j), away, Corner(corners_m, floor=False), nats)
             # Something of which nothing but a cut edge was seen is the room's own corner, cut off.
             if not (lines[0].seen[i] and lines[1].seen[j]):
                 continue
-            opened = Cut(line, (i, j), -away, Corner(corners_m, floor=True), wall_nats)
-            yield replace(opened, own_nats=wall_nats + _opened_nats(opened, surfaces, config))
+            opened = Cut(line, (i, j), -away, Corner(corners_m, floor=True), nats)
+            yield replace(opened, own_nats=nats + _opened_nats(opened, surfaces, config))
 
 
 def _beyond(offsets_m: Float[np.ndarray, " lines"], end_m: float, sign: float, reach_m: float) -> list[int]:
@@ -186,15 +186,10 @@ def _beyond(offsets_m: Float[np.ndarray, " lines"], end_m: float, sign: float, r
     return [int(k) for k in order[ahead_m[order] > -reach_m][:_NEAREST]]
 
 
-def _on(line: ObliqueLine, axis: int, at_m: float) -> Float[np.ndarray, " 2"]:
-    """Where an oblique line crosses one of constant x or y."""
-    other_m = (line.offset_m - line.normal[axis] * at_m) / line.normal[1 - axis]
-    return np.array([at_m, other_m] if axis == 0 else [other_m, at_m])
-
-
-def _wall_nats(
+def wall_nats(
     line: ObliqueLine, ends_m: Float[np.ndarray, "2 2"], surfaces: Surfaces, config: LabelConfig
 ) -> float:
+    """Cost of an oblique wall between two places of the plan, by what of it was seen; without its price."""
     reach = np.sort(ends_m @ line.along)
     places_m = np.stack([line.points_m[:, :2] @ line.along, line.points_m[:, 2]], axis=1)
     places_m = places_m[(places_m[:, 0] > reach[0]) & (places_m[:, 0] < reach[1])]
@@ -282,25 +277,11 @@ def _in_corners(
 ) -> Bool[np.ndarray, " n"]:
     inside = np.zeros(len(wall_m), bool)
     for cut in cuts:
-        chords_m = np.array([_chord(cut.corner, axis, at_m) for at_m in lines.offsets_m])
+        chords_m = np.array([cut.corner.chord_m(axis, at_m) for at_m in lines.offsets_m])
         own: Int[np.ndarray, " n"] = lines.surfel_line
         along_m = wall_m[:, 1 - axis]
         inside |= (own >= 0) & (along_m > chords_m[own, 0]) & (along_m < chords_m[own, 1])
     return inside
-
-
-def _chord(corner: Corner, axis: int, at_m: float) -> tuple[float, float]:
-    """The stretch of a line of constant x or y that lies in the triangle; empty (0, 0) if none does."""
-    low_m, high_m = corner.corners_m.min(axis=0)[axis], corner.corners_m.max(axis=0)[axis]
-    if not low_m <= at_m <= high_m:
-        return 0.0, 0.0
-    # The tip's own lines are sides of the triangle.
-    share = np.clip((at_m - low_m) / (high_m - low_m), 0.0, 1.0)
-    tip_m = corner.corners_m[2]
-    share = share if tip_m[axis] == high_m else 1.0 - share
-    side = corner.corners_m[axis, 1 - axis]
-    ends = sorted((float(tip_m[1 - axis]), float(tip_m[1 - axis] + share * (side - tip_m[1 - axis]))))
-    return ends[0], ends[1]
 
 
 def neutral(evidence: Evidence, grid: Grid, cuts: Sequence[Cut], config: LabelConfig) -> Evidence:
@@ -319,7 +300,7 @@ def neutral(evidence: Evidence, grid: Grid, cuts: Sequence[Cut], config: LabelCo
         heads = np.minimum(heads + cut.cells(grid), 1.0)
         for axis in (0, 1):
             ends_m = grid[1 - axis]
-            chords_m = np.array([_chord(cut.corner, axis, at_m) for at_m in grid[axis]])
+            chords_m = np.array([cut.corner.chord_m(axis, at_m) for at_m in grid[axis]])
             inner_m = np.minimum(ends_m[1:], chords_m[:, 1:]) - np.maximum(ends_m[:-1], chords_m[:, :1])
             # A border that was not seen speaks against a wall: this much seen makes up for it.
             silent = np.maximum(inner_m, 0.0) / np.diff(ends_m) * -unseen / (seen - unseen)

@@ -42,6 +42,29 @@ class ObliqueLine:
         reach_m = np.percentile(self.points_m[:, :2] @ self.along, [1, 99])
         return self.offset_m * self.normal + reach_m[:, None] * self.along
 
+    def crossing_m(self, axis: int, at_m: float) -> Float[np.ndarray, " 2"]:
+        """Where it crosses a line of constant x or y."""
+        other_m = (self.offset_m - self.normal[axis] * at_m) / self.normal[1 - axis]
+        return np.array([at_m, other_m] if axis == 0 else [other_m, at_m])
+
+    def closing_m(self, axis: int, walls_m: Float[np.ndarray, " n"], reach_m: float) -> list[float]:
+        """Where its two ends lie across an axis: where it meets the walls along that axis, if near its ends.
+
+        Args:
+            axis: 0 or 1.
+            walls_m: positions of the walls across the other axis.
+            reach_m: how far its last surfel may lie before such a wall.
+        """
+        found = []
+        for end_m in self.ends_m:
+            near_m = walls_m[np.abs(walls_m - end_m[1 - axis]) < reach_m]
+            place_m = end_m
+            if len(near_m):
+                nearest = near_m[np.argmin(np.abs(near_m - end_m[1 - axis]))]
+                place_m = self.crossing_m(1 - axis, float(nearest))
+            found.append(float(place_m[axis]))
+        return found
+
 
 def oblique_lines(
     surfels: Surfels,

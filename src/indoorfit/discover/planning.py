@@ -10,7 +10,7 @@ from indoorfit.errors import InputError
 from indoorfit.model import Note
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
-from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts
+from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts, wall_nats
 from .evidence import Evidence, gather_evidence
 from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
@@ -90,7 +90,9 @@ def find_plan(
         ConfigError: an override that cannot be meant.
     """
     candidates = widened(candidates, surfaces, price_of_one(seen_m2, labels))
-    lines = candidate_lines(surfaces, candidates)
+    # Furniture that stands askew ends no room.
+    walls = [line for line in oblique if wall_nats(line, line.ends_m, surfaces, labels) < 0.0]
+    lines = candidate_lines(surfaces, candidates, walls)
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
     lines, partial = _two_each(lines, surfaces)
     price = price_of_wall(lines, labels)

@@ -149,7 +149,7 @@ def build_shape(
         fallback_m = (surfaces.floor_height_m, surfaces.ceiling_height_m)
         floor, ceiling = (find_levels(task, z_m, config) for task, z_m in zip(tasks, fallback_m, strict=True))
         found.append((floor, ceiling))
-    shape = _cut_off(_stacked(rooms, grid, found), cuts)
+    shape = _cut_off(_stacked(rooms, grid, found), cuts, candidates.merge_m)
     planes = [
         _place(plane, exposure, surfaces)
         for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
@@ -183,12 +183,15 @@ def _stacked(
     return with_levels(shape, list(finer[0]), list(finer[1]), masks, levels)
 
 
-def _cut_off(shape: Shape, cuts: Sequence[Cut]) -> Shape:
-    """The shape with oblique walls; a corner that belongs to no room after all stays as it is."""
+def _cut_off(shape: Shape, cuts: Sequence[Cut], least_m: float) -> Shape:
+    """The shape with oblique walls; a corner that belongs to no room after all stays as it is.
+
+    A wall of which hardly anything is left, less than two walls are apart, is replaced by the oblique one.
+    """
     for cut in cuts:
         between = walls_at(shape, cut.corner)
         if between is not None:
-            shape = with_oblique_wall(shape, between, cut.yaw_rad, cut.offset_m, cut.opens)
+            shape = with_oblique_wall(shape, between, cut.yaw_rad, cut.offset_m, cut.opens, least_m)
     return shape
 
 

@@ -31,6 +31,17 @@ class Corner:
             inside &= (xy_m - start) @ direction >= least_m
         return inside
 
+    def chord_m(self, axis: int, at_m: float) -> tuple[float, float]:
+        """The stretch of a line of constant x or y that lies in the triangle; empty (0, 0) if none does."""
+        tip_m, far_m = float(self.corners_m[2, axis]), float(self.corners_m[1 - axis, axis])
+        share = (at_m - far_m) / (tip_m - far_m)
+        # The tip's own lines are sides of the triangle, whatever rounding says.
+        if not 0.0 <= share <= 1.0 + 1e-9:
+            return 0.0, 0.0
+        start_m, side_m = float(self.corners_m[2, 1 - axis]), float(self.corners_m[axis, 1 - axis])
+        end_m = start_m + min(share, 1.0) * (side_m - start_m)
+        return min(start_m, end_m), max(start_m, end_m)
+
     @property
     def area_m2(self) -> float:
         """Of the whole triangle."""

@@ -23,11 +23,13 @@ def exposures(shape: Shape) -> tuple[Exposure, ...]:
             continue
         corner = corner_of(shape, cube)
         found[cube.front] = _front(shape, cube, corner, found, homes)
-        for k, other in enumerate(cube.between):
-            found[other] = _shortened(found[other], corner.corners_m[[k, 2]])
-        for k, level in found.items():
-            if level.axis == 2 and homes.get(k) == homes[cube.front] and _at_corner(level, corner):
-                found[k] = replace(level, corners=(*level.corners, corner))
+        for k, other in found.items():
+            if homes.get(k) != homes[cube.front] or shape.planes[k].oblique:
+                continue
+            if other.axis < 2:
+                found[k] = _shortened(other, corner.chord_m(other.axis, shape.planes[k].offset_m))
+            elif _at_corner(other, corner):
+                found[k] = replace(other, corners=(*other.corners, corner))
     return tuple(found[k] for k in range(len(shape.planes)))
 
 
@@ -48,9 +50,11 @@ def _at_corner(level: Exposure, corner: Corner) -> bool:
     return bool(replace(level, corners=()).contains(place_m[None]).any())
 
 
-def _shortened(wall: Exposure, ends_m: Float[np.ndarray, "2 2"]) -> Exposure:
+def _shortened(wall: Exposure, ends_m: tuple[float, float]) -> Exposure:
     """A wall without the stretch between two places on it."""
-    low_m, high_m = np.sort(ends_m[:, 1 - wall.axis])
+    low_m, high_m = ends_m
+    if not low_m < high_m:
+        return wall
     u_m, mask = _refined(wall.u_m, wall.mask, np.array([low_m, high_m]))
     middles_m = 0.5 * (u_m[1:] + u_m[:-1])
     return replace(wall, u_m=u_m, mask=mask & ~((middles_m > low_m) & (middles_m < high_m))[:, None])

@@ -11,14 +11,25 @@ from .boxes import room_of_planes
 from .exposure import Corner
 from .exposures import corner_of, exposures
 
+_SAME_M = 1e-9
+"""Coordinates that agree to a nanometre are meant to be the same."""
+_BEYOND_M = 0.2
+"""How far beyond its corner an oblique wall crosses one that it replaces: more than a fit moves it."""
+
 
 def with_oblique_wall(
-    shape: Shape, between: tuple[int, int], yaw_rad: float, offset_m: float, opens: bool = False
+    shape: Shape,
+    between: tuple[int, int],
+    yaw_rad: float,
+    offset_m: float,
+    opens: bool = False,
+    least_m: float = _SAME_M,
 ) -> Shape:
     """Cut off the corner between two walls of a room.
 
     A corner of the room is taken away from it, as a notch; the edge of a notch or a pillar is taken away from
-    that, as a part, and is room again.
+    that, as a part, and is room again. A wall of which nothing is left is moved out of the way: then the
+    oblique wall stands in its place, and ends at the wall beyond.
 
     Args:
         shape: the grammar.
@@ -26,6 +37,7 @@ def with_oblique_wall(
         yaw_rad: direction out of the room through the new wall, from the Manhattan x axis.
         offset_m: of the new wall along that direction, Manhattan frame.
         opens: whether it is the edge of a notch.
+        least_m: walls of which less than this is left are none.
 
     Returns:
         the shape with one more plane, its last, and one more cube.
@@ -38,11 +50,21 @@ def with_oblique_wall(
     cube = Cube(f"cube-{len(shape.cubes)}", "part" if opens else "notch", room, sides, between)
     planes = (*shape.planes, Plane(0, 1, offset_m, yaw_rad=_principal(yaw_rad)))
     middle_m = corner_of(Shape(planes, (*shape.cubes, cube)), cube).corners_m.mean(axis=0)
-    return Shape(planes, (*shape.cubes, replace(cube, parent=_holder(shape, room, middle_m, opens))))
+    shape = Shape(planes, (*shape.cubes, replace(cube, parent=_holder(shape, room, middle_m, opens))))
+    for k in between:
+        left = exposures(shape)[k]
+        if float(np.diff(left.u_m) @ left.mask.any(axis=1)) < least_m:
+            shape = _out_of_the_way(shape, k)
+    return shape
 
 
-_SAME_M = 1e-9
-"""Coordinates that agree to a nanometre are meant to be the same."""
+def _out_of_the_way(shape: Shape, plane: int) -> Shape:
+    """Move a wall outward until the newest oblique wall crosses it well beyond the room."""
+    wall, front = shape.planes[plane], shape.planes[-1]
+    steepness = abs(front.normal[1 - wall.axis] / front.normal[wall.axis])
+    offset_m = wall.offset_m + wall.outward * _BEYOND_M * float(steepness)
+    moved = replace(wall, offset_m=offset_m, status="inferred")
+    return replace(shape, planes=(*shape.planes[:plane], moved, *shape.planes[plane + 1 :]))
 
 
 def walls_at(shape: Shape, corner: Corner) -> tuple[int, int] | None:

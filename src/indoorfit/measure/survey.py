@@ -106,6 +106,11 @@ def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) ->
         assert low is not None, "a room has no open side"
         assert high is not None, "a room has no open side"
         ends = [_first_face(faces, plane) for plane in (low, high)]
+        if ends[0] is None or ends[1] is None:
+            if not shape.oblique:
+                raise InputError(NOT_ENCLOSED)
+            # An oblique wall stands in its place, and the room has no one extent that way.
+            continue
         # Measured from the middle of the face at the lower end.
         from_m = ends[0].polygon.rings_m[0].mean(axis=0)
         to_m = from_m.copy()
@@ -116,11 +121,8 @@ def _overall(shape: Shape, cube: Cube, room: str, faces: Sequence[NamedFace]) ->
     return found
 
 
-def _first_face(faces: Sequence[NamedFace], plane: int) -> NamedFace:
-    for face in faces:
-        if face.polygon.plane == plane:
-            return face
-    raise InputError(NOT_ENCLOSED)
+def _first_face(faces: Sequence[NamedFace], plane: int) -> NamedFace | None:
+    return next((face for face in faces if face.polygon.plane == plane), None)
 
 
 def _walls(

@@ -47,6 +47,10 @@ def build_scene(scene: Scene) -> BuiltScene:
             surfaces.append(Surface(colour=_WALL_COLOUR))
             _add_oblique(quads, exposure, plane)
             continue
+        if not exposure.mask.any():
+            # An oblique wall stands in its place.
+            surfaces.append(Surface(colour=_WALL_COLOUR))
+            continue
         surfaces.append(_surface(scene, shape, exposure, home[rooms[exposure.plane]]))
         cut = [hole.rect for opening in holes for hole in opening if hole.plane == exposure.plane]
         opened = [_behind(corner) for corner in exposure.corners if corner.floor]
