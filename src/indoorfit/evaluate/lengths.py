@@ -62,27 +62,25 @@ def check_lengths(
     """
     found: dict[frozenset[int], Dimension] = {}
     for dimension in model.dimensions:
-        found.setdefault(_planes(model, dimension), dimension)
+        found.setdefault(model.decided_by(dimension), dimension)
     checks, lost, done = [], [], set()
     for dimension in truth.dimensions:
         # Both long walls of a box and its overall extent are the same length: it counts once.
-        planes = _planes(truth, dimension)
+        planes = truth.decided_by(dimension)
         if planes in done:
             continue
         done.add(planes)
         counterpart = None
-        if all(face in pairs for face in dimension.faces):
-            ends = frozenset(model.face(pairs[face]).plane for face in dimension.faces)
-            counterpart = found.get(ends)
+        faces = [*dimension.faces]
+        if dimension.wall is not None and truth.face(dimension.wall).plane in planes:
+            faces.append(dimension.wall)
+        if all(face in pairs for face in faces):
+            counterpart = found.get(frozenset(model.face(pairs[face]).plane for face in faces))
         if counterpart is None:
             lost.append(dimension.id)
         else:
             checks.append(_check(dimension, counterpart))
     return tuple(checks), tuple(lost)
-
-
-def _planes(result: FitResult, dimension: Dimension) -> frozenset[int]:
-    return frozenset(result.face(face).plane for face in dimension.faces)
 
 
 def _check(true: Dimension, found: Dimension) -> LengthCheck:

@@ -80,18 +80,14 @@ def _by_points(
             f"has points that lie on no two faces of a dimension (the nearest are {away}, needed {REACH_M} m)"
         )
     distance_m, best = ranked[0]
-    planes = _planes(result, best)
-    other = next((entry for entry in ranked if _planes(result, entry[1]) != planes), None)
+    planes = result.decided_by(best)
+    other = next((entry for entry in ranked if result.decided_by(entry[1]) != planes), None)
     if other is not None and distance_m > max(_CLEARLY * other[0], 1e-9):
         return (
             f"has points that may mean {best.id} or {other[1].id}. Fix: give points nearer to the two "
             "faces, or the dimension"
         )
     return best
-
-
-def _planes(result: FitResult, dimension: Dimension) -> frozenset[int]:
-    return frozenset(result.face(face).plane for face in dimension.faces)
 
 
 def distance_to_face(face: Face, point_m: Float[np.ndarray, " 3"]) -> float:

@@ -235,6 +235,17 @@ class FitResult:
                 return face
         raise KeyError(face_id)
 
+    def decided_by(self, dimension: Dimension) -> frozenset[int]:
+        """The planes that a length hangs on: two dimensions with the same ones are the same length.
+
+        Two planes, and that of the wall it is measured along where one of the two is oblique: the two long
+        walls of a room with an oblique end differ.
+        """
+        ends = [self.face(face).plane for face in dimension.faces]
+        if dimension.wall is not None and any(self.shape.planes[k].oblique for k in ends):
+            ends.append(self.face(dimension.wall).plane)
+        return frozenset(ends)
+
     def cube_bounds_m(self) -> dict[str, Float[np.ndarray, "2 3"]]:
         """Low and high corner of every cube, Manhattan frame."""
         return self.shape.bounds_m()

@@ -107,21 +107,17 @@ def length_pairs(
     pairs: list[tuple[Dimension | None, Dimension | None]] = [
         (d, known_greedy[found[d.id]] if d.id in found else None) for d in _once(joint)
     ]
-    taken = {frozenset(_planes(greedy, known_greedy[name])) for name in found.values()}
+    taken = {greedy.decided_by(known_greedy[name]) for name in found.values()}
     assert set(found) <= set(known_joint), "matched lengths are the joint model's"
-    return pairs + [(None, d) for d in _once(greedy) if frozenset(_planes(greedy, d)) not in taken]
+    return pairs + [(None, d) for d in _once(greedy) if greedy.decided_by(d) not in taken]
 
 
 def _once(result: FitResult | None) -> list[Dimension]:
     first: dict[frozenset[int], Dimension] = {}
-    for dimension in () if result is None else result.dimensions:
-        first.setdefault(frozenset(_planes(result, dimension)), dimension)
+    if result is not None:
+        for dimension in result.dimensions:
+            first.setdefault(result.decided_by(dimension), dimension)
     return list(first.values())
-
-
-def _planes(result: FitResult | None, dimension: Dimension) -> tuple[int, int]:
-    assert result is not None, "a dimension belongs to a result"
-    return result.face(dimension.faces[0]).plane, result.face(dimension.faces[1]).plane
 
 
 def _method(result: FitResult) -> dict[str, Any]:
