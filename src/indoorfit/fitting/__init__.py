@@ -6,6 +6,8 @@ from .association import claims as claims
 from .belief import Belief as Belief
 from .belief import BeliefConfig as BeliefConfig
 from .belief import believe as believe
+from .displaced import DisplacedConfig as DisplacedConfig
+from .displaced import displaced_shifts as displaced_shifts
 from .frames import cells_by_frame as cells_by_frame
 from .greedy import GreedyConfig as GreedyConfig
 from .greedy import GreedyFit as GreedyFit

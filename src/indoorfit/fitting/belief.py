@@ -12,6 +12,7 @@ from indoorfit.errors import ConfigError, SamplingError
 from indoorfit.geometry import room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
+from .displaced import DisplacedConfig
 from .residuals import with_inferred
 from .uncertainty import (
     Cells,
@@ -42,6 +43,8 @@ class BeliefConfig:
     """The Gaussian-process field of wall residuals: for any scan."""
     pose_field: PoseFieldConfig = field(default_factory=PoseFieldConfig)
     """Random slips of the frames: for scans that keep the frame of every point."""
+    displaced: DisplacedConfig = field(default_factory=DisplacedConfig)
+    """When frames count as registered somewhere else; they are put back before the plan is looked for."""
     fusion: FusionConfig = field(default_factory=FusionConfig)
     """When the two contradict each other."""
     inflation: float = 1.0

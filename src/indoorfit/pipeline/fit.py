@@ -53,6 +53,7 @@ from indoorfit.texture import paint
 from .front import FrontEnd, front_end
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
+from .put_back import put_back, with_moves
 
 log = logging.getLogger("indoorfit")
 
@@ -79,7 +80,8 @@ def fit_scan(scan: Scan, config: RunConfig | None = None, pictures: Pictures = _
     with threadpool_limits(1, "blas"):
         scan, config = overridden(scan, config or RunConfig())
         watch = Stopwatch()
-        return _textured(_run(scan, config, watch), scan, pictures, config, watch)
+        result, scan = _run(scan, config, watch)
+        return _textured(result, scan, pictures, config, watch)
 
 
 def _textured(
@@ -94,11 +96,18 @@ def _textured(
     return replace(result, textures=textures, provenance={**result.provenance, "timings_s": timings_s(watch)})
 
 
-def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> FitResult:
+def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> tuple[FitResult, Scan]:
+    """The result, and the scan that it is of: frames that were displaced have been put back."""
     rng = np.random.default_rng(config.seed)
     front = front_end(scan, config, rng, watch)
+    with watch.stage("frames"):
+        righted = put_back(scan, front, config)
+    if righted.moves:
+        scan = righted.scan
+        front = front_end(scan, config, rng, watch)
     fitted = _fit(scan, front, config, rng, watch)
-    return _measure(scan, fitted, (*scan.notes, *front.notes), config, rng, watch)
+    notes = (*scan.notes, *front.notes, *righted.notes)
+    return with_moves(_measure(scan, fitted, notes, config, rng, watch), righted.moves), scan
 
 
 @dataclass(frozen=True)

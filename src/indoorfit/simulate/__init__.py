@@ -1,6 +1,7 @@
 """Simulated rooms and scans whose truth is known exactly."""
 
 from .appearance import plane_colours as plane_colours
+from .displaced import displaced as displaced
 from .patches import Box as Box
 from .path import Pose as Pose
 from .path import handheld_path as handheld_path
