@@ -37,7 +37,7 @@ SHIFT_M = 0.15
 """The thesis found 17.6 cm where a tape had 33.0 (Table 6-1, D)."""
 _ROOM = RandomRoomSettings(min_step_m=0.25)
 """Of a shorter step nothing would be left."""
-_TOLD = ("REGISTRATION_INCONSISTENT", "SINGLE_BLOCK", "LAYERED")
+_TOLD = ("FRAMES_DISPLACED", "REGISTRATION_INCONSISTENT", "SINGLE_BLOCK", "LAYERED")
 
 
 @dataclass(frozen=True)
@@ -78,9 +78,17 @@ def make(seed: int) -> Case:
     """A room of that kind, and which length is concerned."""
     settings = replace(FURNISHED, room=_ROOM)
     virtual = scanned(seed, regime("5mm"), settings, walls=(6,))
-    face, outer = _notch_face(virtual.shape, seed)
-    assert virtual.scan.frame_ids is not None, "the virtual scanner tells frames"
-    seeing = np.unique(virtual.scan.frame_ids[virtual.point_plane == face])
+    ids = virtual.scan.frame_ids
+    assert ids is not None, "the virtual scanner tells frames"
+    # Of the notch's two walls the one whose frames see more of the wall that it is a step from: where they
+    # see nothing of that, nothing in the cloud tells that they were moved.
+    face, outer = max(
+        _steps(virtual.shape),
+        key=lambda step: np.isin(
+            ids[virtual.point_plane == step[1]], ids[virtual.point_plane == step[0]]
+        ).sum(),
+    )
+    seeing = np.unique(ids[virtual.point_plane == face])
     shift_m = np.zeros(3)
     plane = virtual.shape.planes[face]
     shift_m[plane.axis] = SHIFT_M * plane.outward
@@ -88,16 +96,17 @@ def make(seed: int) -> Case:
     return Case(displaced(virtual, seeing, shift_m), frozenset((face, outer)), share)
 
 
-def _notch_face(shape: Shape, seed: int) -> tuple[int, int]:
-    """One of the two walls of the notch, in turn, and the outer wall that it is a step from."""
-    walls = [k for k, plane in enumerate(shape.planes) if plane.axis == seed % 2]
-    sides = {k: [j for j in walls if shape.planes[j].outward == shape.planes[k].outward] for k in walls}
-    first, second = next(same for same in sides.values() if len(same) == 2)
-    return (first, second) if _depth_m(shape, first) < _depth_m(shape, second) else (second, first)
-
-
-def _depth_m(shape: Shape, plane: int) -> float:
-    return shape.planes[plane].outward * shape.planes[plane].offset_m
+def _steps(shape: Shape) -> list[tuple[int, int]]:
+    """Both walls of the notch, each with the outer wall that it is a step from."""
+    steps = []
+    for axis in (0, 1):
+        walls = [k for k, plane in enumerate(shape.planes) if plane.axis == axis]
+        for outward in (-1, 1):
+            same = [k for k in walls if shape.planes[k].outward == outward]
+            if len(same) == 2:
+                inner, outer = sorted(same, key=lambda k: outward * shape.planes[k].offset_m)
+                steps.append((inner, outer))
+    return steps
 
 
 def run(task: tuple[int, bool]) -> Record:
@@ -114,7 +123,10 @@ def run(task: tuple[int, bool]) -> Record:
     comparison = compare(result, truth)
     answers = tuple(
         Answer(
-            _planes(truth, check.truth) == case.step, 1e3 * check.error_m, 5e2 * check.width_m, bool(check.hit)
+            planes_of(truth, check.truth) == case.step,
+            1e3 * check.error_m,
+            5e2 * check.width_m,
+            bool(check.hit),
         )
         for check in comparison.lengths
     )
@@ -122,7 +134,8 @@ def run(task: tuple[int, bool]) -> Record:
     return Record(seed, ids, case.share, comparison.faults, notes, answers)
 
 
-def _planes(truth: FitResult, dimension: str) -> frozenset[int]:
+def planes_of(truth: FitResult, dimension: str) -> frozenset[int]:
+    """The two planes of a length."""
     faces = next(d.faces for d in truth.dimensions if d.id == dimension)
     return frozenset(truth.face(face).plane for face in faces)
 

@@ -7,6 +7,7 @@ from .belief import Belief as Belief
 from .belief import BeliefConfig as BeliefConfig
 from .belief import believe as believe
 from .displaced import DisplacedConfig as DisplacedConfig
+from .displaced import Displacements as Displacements
 from .displaced import displaced_shifts as displaced_shifts
 from .frames import cells_by_frame as cells_by_frame
 from .greedy import GreedyConfig as GreedyConfig

@@ -12,7 +12,7 @@ from indoorfit.errors import ConfigError, SamplingError
 from indoorfit.geometry import room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
-from .displaced import DisplacedConfig
+from .displaced import DisplacedConfig, Displacements, doubt_covariance
 from .residuals import with_inferred
 from .uncertainty import (
     Cells,
@@ -95,6 +95,7 @@ def believe(
     config: BeliefConfig,
     rng: np.random.Generator,
     sampler: SamplerConfig | None = None,
+    displacements: Displacements | None = None,
 ) -> Belief:
     """Distribution of rotation and plane offsets.
 
@@ -114,6 +115,7 @@ def believe(
         config: see `BeliefConfig`.
         rng: for the draws of the noise scales.
         sampler: draw the wall field's noise scales by Markov chains; None takes the analytic approximation.
+        displacements: of the frames that were put back before the fit; None where none was.
 
     Raises:
         SamplingError: the chains have not converged; nothing is reported from them.
@@ -121,8 +123,11 @@ def believe(
     theta = np.concatenate([np.zeros(3), shape.parameters])
     contrasts = Contrasts(_parallel_gaps(shape), theta)
     everything = with_inferred(cells, shape, inferred_std_m)
+    extra = edge_exchange_covariance(shape, plane_rms_m)
+    if displacements is not None and frame_cells is not None:
+        extra = extra + doubt_covariance(frame_cells, displacements, len(shape.planes))
     around = (3, len(shape.oblique))
-    extra = np.pad(edge_exchange_covariance(shape, plane_rms_m), (around, around))
+    extra = np.pad(extra, (around, around))
     if sampler is None:
         wall = wall_field_predictive(everything, contrasts, config.wall_field, rng)
     else:

@@ -12,6 +12,7 @@ from indoorfit.discover import discover
 from indoorfit.fitting import (
     Belief,
     Cells,
+    Displacements,
     Evidence,
     MeasurandPrediction,
     PatchData,
@@ -105,7 +106,7 @@ def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> tuple[FitResult, Sc
     if righted.moves:
         scan = righted.scan
         front = front_end(scan, config, rng, watch)
-    fitted = _fit(scan, front, config, rng, watch)
+    fitted = replace(_fit(scan, front, config, rng, watch), displacements=righted.found)
     notes = (*scan.notes, *front.notes, *righted.notes)
     return with_moves(_measure(scan, fitted, notes, config, rng, watch), righted.moves), scan
 
@@ -124,6 +125,8 @@ class _Fitted:
     converged: bool
     restless: tuple[int, ...]
     """Planes that still moved in the last round, the farthest first."""
+    displacements: Displacements | None = None
+    """Of the frames that were put back before the fit."""
 
 
 def _fit(
@@ -178,6 +181,7 @@ def _measure(
             config.belief,
             rng,
             config.sampler if config.sample else None,
+            fitted.displacements,
         )
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from indoorfit.config import RunConfig
-from indoorfit.fitting import displaced_shifts
+from indoorfit.fitting import Displacements, displaced_shifts
 from indoorfit.model import FitResult, Note, Scan
 
 from .front import FrontEnd
@@ -22,6 +22,8 @@ class PutBack:
 
     scan: Scan
     moves: Moves
+    found: Displacements | None
+    """Of the frames in the order of their ids; None where none was looked for or none is off."""
     notes: tuple[Note, ...]
 
 
@@ -33,7 +35,7 @@ def put_back(scan: Scan, front: FrontEnd, config: RunConfig) -> PutBack:
         front: axes, and which surface each point lies on.
         config: `belief.use_frames` and `belief.displaced`.
     """
-    unchanged = PutBack(scan, {}, ())
+    unchanged = PutBack(scan, {}, None, ())
     if scan.frame_ids is None or not config.belief.use_frames or config.method != "joint":
         return unchanged
     ids, index = np.unique(scan.frame_ids, return_inverse=True)
@@ -44,13 +46,14 @@ def put_back(scan: Scan, front: FrontEnd, config: RunConfig) -> PutBack:
     # The last entry serves the label of no segment, -1.
     axis_of_segment[np.flatnonzero([face_class is None for face_class in front.classes])] = -1
     points_m = front.frame.to_manhattan(scan.points_m)
-    shifts_m = displaced_shifts(
+    found = displaced_shifts(
         points_m,
         axis_of_segment[front.segments.labels][front.point_surfel],
         index,
         _centres_m(scan, front, points_m, index),
         config.belief.displaced,
     )
+    shifts_m = found.shifts_m
     moved = np.flatnonzero(np.any(shifts_m != 0.0, axis=1))
     if len(moved) == 0:
         return unchanged
@@ -61,7 +64,7 @@ def put_back(scan: Scan, front: FrontEnd, config: RunConfig) -> PutBack:
         for sensor in scan.frames
     )
     righted = replace(scan, points_m=scan.points_m + back_m[index], frames=sensors)
-    return PutBack(righted, moves, (_note(moves, len(ids)),))
+    return PutBack(righted, moves, found, (_note(moves, len(ids), len(found.others_m) > 0),))
 
 
 def _centres_m(
@@ -78,15 +81,19 @@ def _centres_m(
     return centres_m
 
 
-def _note(moves: Moves, n_frames: int) -> Note:
+def _note(moves: Moves, n_frames: int, open_: bool) -> Note:
     far_m = max(float(np.linalg.norm(move_m)) for move_m in moves.values())
     first, last = min(moves), max(moves)
+    doubt = (
+        "It may as well be the others that are displaced: then a whole side of the room is off by as much, "
+        "and the intervals of lengths across the room reach that far. "
+    )
     return Note(
         "FRAMES_DISPLACED",
-        f"{len(moves)} of {n_frames} frames (from {first} to {last}) lie up to {100 * far_m:.0f} cm from where "
-        "the others saw the same surfaces; they were put back before the fit. If it is the others that are "
-        "displaced, a whole side of the room may be off by as much. Register the scan again, or measure one "
-        "length across the room by hand.",
+        f"{len(moves)} of {n_frames} frames (from {first} to {last}) lie up to {100 * far_m:.0f} cm from "
+        "where the others saw the same surfaces; they were put back before the fit. "
+        f"{doubt if open_ else ''}"
+        "Register the scan again, or measure one length across the room by hand.",
     )
 
 
