@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from indoorfit.errors import InputError
-from indoorfit.fitting import AssociationConfig, JointConfig, fit_joint
+from indoorfit.fitting import AssociationConfig, BeliefConfig, JointConfig, believe, fit_joint, joint
 from indoorfit.model import Frame, Scan
 from synthetic import KINDS, expected_limit_m, is_rotation, virtual
 
@@ -124,3 +124,75 @@ def test_reach_follows_the_noise():
     cut = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(association=narrow), PIXEL_M)
     # At 4 cm noise 1.2 % of a Gaussian lies beyond 10 cm.
     assert wide.data.plane_points.sum() > 1.005 * cut.data.plane_points.sum()
+
+
+LAYER_M = 0.06
+
+
+def two_layers(monkeypatch):
+    """A box whose far x wall is there twice, and an association that hands its plane on to the other layer.
+
+    Returns the truth, the scan, the wall's index, and the offsets of the two layers.
+    """
+    scan = virtual("box", 5, n_points=20_000)
+    x_planes = [k for k, plane in enumerate(scan.shape.planes) if plane.axis == 0]
+    wall = max(x_planes, key=lambda k: scan.shape.planes[k].offset_m)
+    place_m = scan.shape.planes[wall].offset_m
+    points_m = scan.frame.to_manhattan(scan.scan.points_m)
+    far = np.flatnonzero(scan.point_plane == wall)[::2]
+    points_m[far, 0] -= LAYER_M
+    honest = joint.associate
+
+    def fickle(points_m, shape, config, pixel_m):
+        on_second = shape.planes[wall].offset_m < place_m - 0.5 * LAYER_M
+        second = (points_m[:, 0] < place_m - 0.5 * LAYER_M) & (points_m[:, 0] > place_m - 1.5 * LAYER_M)
+        first = (points_m[:, 0] > place_m - 0.5 * LAYER_M) & (points_m[:, 0] < place_m + 0.5 * LAYER_M)
+        return honest(points_m[~(second if on_second else first)], shape, config, pixel_m)
+
+    monkeypatch.setattr(joint, "associate", fickle)
+    return scan, Scan(scan.frame.to_scan(points_m)), wall, (place_m - LAYER_M, place_m)
+
+
+def test_a_plane_that_cycles_between_two_layers_lies_between_them(monkeypatch):
+    truth, scan, wall, layers_m = two_layers(monkeypatch)
+    fit = fit_joint(scan, truth.frame, truth.shape, JointConfig(), PIXEL_M)
+    assert not fit.converged
+    assert fit.restless == (wall,)
+    # A thousand points of 5 mm on each layer, and the frame's turn over 4 m: half a millimetre.
+    assert fit.shape.planes[wall].offset_m == pytest.approx(np.mean(layers_m), abs=5e-4)
+    assert fit.swing_m[wall] == pytest.approx(0.5 * LAYER_M, abs=5e-4)
+    assert not np.delete(fit.swing_m, wall).any()
+    # The residuals belong to the place that is reported.
+    own = fit.cells.plane == wall
+    assert abs(np.median(fit.cells.residuals_m[own])) < 1e-3
+
+
+def test_the_interval_of_a_plane_that_cycles_reaches_over_both_layers(monkeypatch):
+    truth, scan, wall, layers_m = two_layers(monkeypatch)
+    fit = fit_joint(scan, truth.frame, truth.shape, JointConfig(), PIXEL_M)
+    rng = np.random.default_rng(0)
+    belief = believe(
+        fit.cells,
+        None,
+        fit.shape,
+        fit.frame,
+        fit.data.plane_rms_m,
+        0.1,
+        BeliefConfig(),
+        rng,
+        swing_m=fit.swing_m,
+    )
+    row = np.zeros((1, 3 + len(fit.shape.planes)))
+    row[0, 3 + wall] = 1.0
+    low_m, high_m = belief.wall.with_contrasts(row).interval(0.95)
+    # Two places alike are half their distance off the middle, which 1.96 standard deviations nearly double.
+    assert low_m[0] < layers_m[0] - 0.02
+    assert high_m[0] > layers_m[1] + 0.02
+
+
+def test_a_plane_at_rest_has_no_swing():
+    scan = virtual("box", 5, n_points=10_000)
+    fit = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
+    assert fit.converged
+    assert fit.restless == ()
+    assert not fit.swing_m.any()

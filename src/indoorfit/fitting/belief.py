@@ -96,6 +96,7 @@ def believe(
     rng: np.random.Generator,
     sampler: SamplerConfig | None = None,
     displacements: Displacements | None = None,
+    swing_m: Float[np.ndarray, " planes"] | None = None,
 ) -> Belief:
     """Distribution of rotation and plane offsets.
 
@@ -116,6 +117,7 @@ def believe(
         rng: for the draws of the noise scales.
         sampler: draw the wall field's noise scales by Markov chains; None takes the analytic approximation.
         displacements: of the frames that were put back before the fit; None where none was.
+        swing_m: by how much each plane's place is in doubt because the fit did not come to rest there.
 
     Raises:
         SamplingError: the chains have not converged; nothing is reported from them.
@@ -126,6 +128,8 @@ def believe(
     extra = edge_exchange_covariance(shape, plane_rms_m)
     if displacements is not None and frame_cells is not None:
         extra = extra + doubt_covariance(frame_cells, displacements, len(shape.planes))
+    if swing_m is not None:
+        extra = extra + np.diag(swing_m**2)
     around = (3, len(shape.oblique))
     extra = np.pad(extra, (around, around))
     if sampler is None:

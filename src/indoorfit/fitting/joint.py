@@ -52,7 +52,10 @@ class JointFit:
     rounds: int
     converged: bool
     restless: tuple[int, ...]
-    """Planes that still moved in the last round, the farthest first."""
+    """Planes that still moved in the last rounds, the farthest first."""
+    swing_m: Float[np.ndarray, " planes"]
+    """Half the distance of the places that a restless plane goes back and forth between, in whose middle it
+    is then put; its last movement where it does not come back; 0 at rest."""
 
 
 def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
@@ -69,8 +72,9 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
         pixel_m: resolution at which coverage is counted.
 
     Returns:
-        the minimum; `converged` is False where the solver or the association did not come to rest. A plane
-        that passed another one is put back and not fitted (`unpassed`).
+        the minimum; `converged` is False where the solver or the association did not come to rest, and a
+        plane that goes back and forth is then in the middle of its places. A plane that passed another one is
+        put back and not fitted (`unpassed`).
     """
     fit = _alternate(scan, frame, start, config, pixel_m)
     for _ in range(_MAX_REPAIRS):
@@ -90,31 +94,70 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
     local_m = scan.points_m - frame.origin_scan_m
     stride = max(1, len(local_m) // config.coarse_points)
     state = _State(start, frame.R_manhattan_scan)
-    still, rounds, steps, before_m = False, 0, 0, start.offsets_m
+    still, rounds, steps, trail = False, 0, 0, [start.offsets_m]
     limit_m = config.settle * config.association.reach_m
     # Coarse rounds until the association stands still, then rounds with all points.
     for step in ([stride] if stride > 1 else []) + [1]:
         still = False
+        trail = trail[-1:] if rounds < config.max_rounds else trail
         while not still and rounds < config.max_rounds:
             rounds += 1
-            before_m = state.shape.offsets_m
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
+            trail.append(state.shape.offsets_m)
             still = moved_m < limit_m
-    frame = Frame(state.rotation, frame.origin_scan_m)
-    last_m = np.abs(state.shape.offsets_m - before_m)
+    middle_m, swing_m = _swing(np.array(trail), limit_m)
     assert state.data is not None, "at least one round was made"
-    assert state.cells is not None, "at least one round was made"
+    data = _moved_along(state.data, state.shape, middle_m)
+    shape = state.shape.with_offsets(middle_m)
     return JointFit(
-        shape=state.shape,
-        frame=frame,
-        data=state.data,
-        cells=state.cells,
+        shape=shape,
+        frame=Frame(state.rotation, frame.origin_scan_m),
+        data=data,
+        cells=build_cells(data.patches, shape),
         cost=state.cost,
         steps=steps,
         rounds=rounds,
         converged=still and state.solved,
-        restless=tuple(int(k) for k in np.argsort(-last_m) if last_m[k] >= limit_m),
+        restless=tuple(int(k) for k in np.argsort(-swing_m) if swing_m[k] > 0.0),
+        swing_m=swing_m,
     )
+
+
+def _swing(
+    trail_m: Float[np.ndarray, "rounds planes"], limit_m: float
+) -> tuple[Float[np.ndarray, " planes"], Float[np.ndarray, " planes"]]:
+    """Where planes are after the last round, and how far that is in doubt.
+
+    Two layers of a wall may each hand the plane on to the other one, for as long as one looks. No round's
+    place is better than another's, for each has its own points: the middle of the cycle has the least
+    expected square error. A law with both places alike has half their distance as its standard deviation.
+
+    Args:
+        trail_m: offsets of the planes, the last round last.
+        limit_m: movements below it are none.
+    """
+    last_m = trail_m[-1]
+    restless = np.abs(last_m - trail_m[-2]) >= limit_m if len(trail_m) > 1 else np.zeros(len(last_m), bool)
+    middle_m, swing_m = last_m.copy(), np.zeros(len(last_m))
+    for period in range(2, len(trail_m)):
+        if np.all(np.abs(last_m - trail_m[-1 - period]) < limit_m):
+            cycle_m = trail_m[-period:]
+            low_m, high_m = cycle_m.min(axis=0), cycle_m.max(axis=0)
+            restless = high_m - low_m >= limit_m
+            middle_m[restless] = 0.5 * (low_m + high_m)[restless]
+            swing_m[restless] = 0.5 * (high_m - low_m)[restless]
+            return middle_m, swing_m
+    swing_m[restless] = np.abs(last_m - trail_m[-2])[restless]
+    return middle_m, swing_m
+
+
+def _moved_along(data: PatchData, shape: Shape, offsets_m: Float[np.ndarray, " planes"]) -> PatchData:
+    """The patches with their planes: residuals stay as they are."""
+    patches = data.patches
+    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
+    means_m = patches.means_m.copy()
+    means_m[np.arange(len(axes)), axes] += (offsets_m - shape.offsets_m)[patches.plane]
+    return replace(data, patches=replace(patches, means_m=means_m))
 
 
 @dataclass(frozen=True)
@@ -124,7 +167,6 @@ class _State:
     shape: Shape
     rotation: Float[np.ndarray, "3 3"]
     data: PatchData | None = None
-    cells: Cells | None = None
     cost: float = 0.0
     solved: bool = False
 
@@ -158,7 +200,6 @@ def _round(
         shape=shape,
         rotation=turn.T @ state.rotation,
         data=replace(data, patches=patches),
-        cells=build_cells(patches, shape),
         cost=solution.cost,
         solved=solution.converged,
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 from threadpoolctl import threadpool_limits
 
 from indoorfit.config import RunConfig
@@ -124,7 +125,9 @@ class _Fitted:
     notes: tuple[Note, ...]
     converged: bool
     restless: tuple[int, ...]
-    """Planes that still moved in the last round, the farthest first."""
+    """Planes that still moved in the last rounds, the farthest first."""
+    swing_m: Float[np.ndarray, " planes"]
+    """By how much their places are in doubt for that."""
     displacements: Displacements | None = None
     """Of the frames that were put back before the fit."""
 
@@ -143,6 +146,7 @@ def _fit(
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
         restless: tuple[int, ...] = ()
+        swing_m = np.zeros(len(shape.planes))
     else:
         with watch.stage("discover"):
             said = plan_overrides(config.overrides, frame)
@@ -153,13 +157,14 @@ def _fit(
         log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
         shape, frame, data = joint.shape, joint.frame, joint.data
         cells, converged, restless = joint.cells, joint.converged, joint.restless
+        swing_m = joint.swing_m
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
             frame_cells = cells_by_frame(
                 scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
             )
-    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, restless)
+    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, restless, swing_m)
 
 
 def _measure(
@@ -182,6 +187,7 @@ def _measure(
             rng,
             config.sampler if config.sample else None,
             fitted.displacements,
+            fitted.swing_m,
         )
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
@@ -280,8 +286,9 @@ def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
         notes.append(
             Note(
                 "NOT_CONVERGED",
-                f"The fit did not come to rest: the points{at} keep changing between planes. Fix: look at "
-                "the plan there for a wall that is not there, and forbid it; or raise joint.max_rounds.",
+                f"The fit did not come to rest: the points{at} keep changing between planes. Intervals reach "
+                "over the places where these were. Fix: look at the plan there for a wall that is not there, "
+                "and forbid it; or raise joint.max_rounds.",
                 tuple(faces),
             )
         )
