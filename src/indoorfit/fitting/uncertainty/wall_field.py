@@ -35,6 +35,7 @@ from .laplace import (
     laplace_mode,
     truncated_weights,
 )
+from .level_field import add_common, common_share, level_blocks
 from .location import student_t_precisions, weighted_map
 from .predictive import Predictive
 from .wall_noise import describe_wall_noise
@@ -78,6 +79,11 @@ class WallFieldConfig:
     prior, not an estimate: a wall passed once hangs on one stretch of the path, whose mean error no residual
     shows. Floor and ceiling are in view all along. What its turn tells of it is counted by `lever_m`. 0 is
     right where every wall was passed twice or more."""
+    level_common: float = 0.7
+    """Correlation of the errors of floor and ceiling over each other that is expected before looking: a frame
+    or station that stands too high puts both too high, but not each frame sees both."""
+    level_weight: float = 8.0
+    """What that expectation counts for beside the scan's own patches, in patches."""
     wall_dof: float = 4.0
     """Degrees of freedom of the prior that all walls of a room err alike (scaled inverse chi-square about 1);
     infinite takes them as alike. One that hangs on a slipped block of frames does not: its own residuals then
@@ -223,12 +229,17 @@ def sandwich_predictive(
     linear = weighted_map(cells, student_t_precisions(cells, config.student_dof))
     covariances = np.zeros((len(hyper.points), cells.n_params, cells.n_params))
     unrest = np.ones((len(hyper.points), cells.n_params - ROTATIONS))
+    levels = level_blocks(cells, fit.field.blocks)
+    share = common_share(cells, levels, fit.mode.point, config.level_common, config.level_weight)
     for block in fit.field.blocks:
         part, plane = linear[:, block.rows], cells.plane[block.rows[0]]
         for k, phi in enumerate(hyper.points):
             covariance = block_covariance(block, phi, fit.inflation_m2)
             unrest[k, plane] = _unrest(block.target_m, covariance, config.wall_dof)
             covariances[k] += unrest[k, plane] * (part @ covariance @ part.T)
+    for k, phi in enumerate(hyper.points):
+        scaled = [np.sqrt(unrest[k, cells.plane[b.rows[0]]]) * linear[:, b.rows] for b in levels]
+        add_common(covariances[k], cells, levels, scaled, phi, share)
     _add_face_offsets(covariances, cells, fit.field, hyper, config, unrest)
     theta = contrasts.estimate + linear @ cells.residuals_m
     return Predictive(
