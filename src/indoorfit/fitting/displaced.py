@@ -30,6 +30,9 @@ class DisplacedConfig:
     """Fewer points of a frame at a place have no location."""
     hold: float = 1.0
     """What keeps a frame where it is, in places: only two or more that agree can move it."""
+    min_block: int = 2
+    """Frames that must be off the same way: what one frame alone sees of a thing before a wall looks like a
+    shift, and one frame more or less changes no plan."""
     doubt: float = 3.0
     """Where the places are seen as they are by moving other frames instead, but for this many of them, it is
     open which of the frames were displaced: fewer than may lie on one thing that stands before a wall."""
@@ -93,7 +96,9 @@ def displaced_shifts(
         if len(seen.place) == 0:
             continue
         found_m, misfit_m = _least_absolute(seen, n_frames, config.hold)
-        moved = np.abs(found_m) >= config.min_shift_m
+        moved = np.zeros(n_frames, bool)
+        for same_way in (found_m >= config.min_shift_m, found_m <= -config.min_shift_m):
+            moved |= same_way & (same_way.sum() >= config.min_block)
         if not moved.any():
             continue
         shifts_m[moved, axis] = found_m[moved]

@@ -26,7 +26,7 @@ def common_share(
     """Correlation of the fields of floor and ceiling over each other, 0 to 1.
 
     The correlation of the residuals of patches over each other, as if they had no noise of their own, and the
-    prior, each with its weight. Patches near each other are not independent: their effective number is that of
+    prior, each with its weight. Patches near each other are not independent: their effective number follows
     Clifford, Richardson and Hemon 1989, Biometrics 45.
 
     Args:
