@@ -120,8 +120,12 @@ def test_doubt_moves_a_side_of_the_room_as_a_whole():
     assert across @ covariance @ across == pytest.approx(0.5 * SHIFT_M**2)
 
 
-def test_no_frame_can_be_moved_by_fewer_places_than_hold_it():
-    shift_m = block(20, [6])
-    seen = walls_seen(ROUND, shift_m)
-    held = replace(CONFIG, hold=1e3)
-    assert not displaced_shifts(*seen, held).shifts_m.any()
+def test_frames_are_held_by_more_than_the_places_that_they_saw():
+    seen = walls_seen(ROUND, block(20, [4, 5, 6]))
+    assert not displaced_shifts(*seen, replace(CONFIG, hold=1e3)).shifts_m.any()
+
+
+def test_one_frame_alone_is_no_block():
+    seen = walls_seen(ROUND, block(20, [5]))
+    assert not displaced_shifts(*seen, CONFIG).shifts_m.any()
+    assert displaced_shifts(*seen, replace(CONFIG, min_block=1)).shifts_m.any()

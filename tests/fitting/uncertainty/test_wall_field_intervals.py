@@ -218,10 +218,12 @@ def test_plane_without_cells_leaves_its_dimensions_unmeasured(room) -> None:
 
 def test_least_squares_mixture_and_sandwich_tell_the_same_story_on_clean_walls() -> None:
     room = simulate_cell_room(21, REGIMES["p20"])
-    fit = fit_wall_field(room.cells, CONFIG)
-    hyper = laplace_draws(fit, CONFIG, np.random.default_rng(0))
-    gls = gls_predictive(room.cells, room.contrasts, fit, hyper, CONFIG)
-    sandwich = wall_field_predictive(room.cells, room.contrasts, CONFIG, np.random.default_rng(0))
+    # Least squares takes floor and ceiling as independent.
+    config = replace(CONFIG, level_common=0.0, level_weight=1e9)
+    fit = fit_wall_field(room.cells, config)
+    hyper = laplace_draws(fit, config, np.random.default_rng(0))
+    gls = gls_predictive(room.cells, room.contrasts, fit, hyper, config)
+    sandwich = wall_field_predictive(room.cells, room.contrasts, config, np.random.default_rng(0))
     # Gauss-Markov: no linear estimate is better, and the robust one loses at most a third.
     assert np.all(gls.std <= sandwich.std * (1 + 1e-9))
     assert np.all(sandwich.std < 1.35 * gls.std)
