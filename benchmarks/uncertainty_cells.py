@@ -17,7 +17,7 @@ from pathlib import Path
 
 # One thread per worker: the blocks are small, and a pool of BLAS threads would only wait for itself.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "fit" / "uncertainty"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "fitting" / "uncertainty"))
 
 import numpy as np
 from cell_rooms import REGIMES, CellRoom, simulate_cell_room

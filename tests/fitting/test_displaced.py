@@ -129,3 +129,11 @@ def test_one_frame_alone_is_no_block():
     seen = walls_seen(ROUND, block(20, [5]))
     assert not displaced_shifts(*seen, CONFIG).shifts_m.any()
     assert displaced_shifts(*seen, replace(CONFIG, min_block=1)).shifts_m.any()
+
+
+def test_where_all_frames_drift_none_is_displaced():
+    rng = np.random.default_rng(3)
+    drift_m = np.cumsum(rng.normal(0.0, 0.04, (20, 3)), axis=0)
+    seen = walls_seen(ROUND, drift_m - drift_m.mean(axis=0))
+    assert displaced_shifts(*seen, replace(CONFIG, min_sigmas=0.0)).shifts_m.any()
+    assert not displaced_shifts(*seen, CONFIG).shifts_m.any()

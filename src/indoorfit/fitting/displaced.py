@@ -13,6 +13,7 @@ from scipy.sparse import csgraph
 
 from .uncertainty import Cells
 from .uncertainty.cells import ROTATIONS
+from .uncertainty.location import MAD_TO_STD
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,9 @@ class DisplacedConfig:
     min_shift_m: float = 0.10
     """Shift along one axis from which on a frame is put back before the plan is looked for: its points are
     then beyond the reach of their walls (`joint.association.reach_m`). The fit finds smaller slips."""
+    min_sigmas: float = 5.0
+    """And in robust standard deviations of what frames scatter about the places: where all of them drift,
+    none is displaced against the others, and the fit takes slips out better, turns and all."""
     max_shift_m: float = 0.25
     """Surfaces that lie farther apart are two surfaces, however many frames disagree on them."""
     patch_m: float = 0.5
@@ -61,6 +65,15 @@ class _Seen:
         """Places that two or more frames saw."""
         return int(self.place.max(initial=-1)) + 1
 
+    @property
+    def scatter_m(self) -> float:
+        """Robust standard deviation of what is seen about the median of its place."""
+        order = np.lexsort((self.across_m, self.place))
+        counts = np.bincount(self.place)
+        middle = np.cumsum(counts) - counts + counts // 2
+        away_m = self.across_m - self.across_m[order][middle][self.place]
+        return MAD_TO_STD * float(np.median(np.abs(away_m)))
+
 
 def displaced_shifts(
     points_m: Float[np.ndarray, "points 3"],
@@ -96,8 +109,9 @@ def displaced_shifts(
         if len(seen.place) == 0:
             continue
         found_m, misfit_m = _least_absolute(seen, n_frames, config.hold)
+        least_m = max(config.min_shift_m, config.min_sigmas * seen.scatter_m)
         moved = np.zeros(n_frames, bool)
-        for same_way in (found_m >= config.min_shift_m, found_m <= -config.min_shift_m):
+        for same_way in (found_m >= least_m, found_m <= -least_m):
             moved |= same_way & (same_way.sum() >= config.min_block)
         if not moved.any():
             continue
