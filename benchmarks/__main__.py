@@ -24,7 +24,7 @@ from indoorfit.environment import prepare_numerics
 prepare_numerics()
 
 from benchmarks.baseline import BASELINE, accept, worse  # noqa: E402
-from benchmarks.figures import FIGURES, Row, level_table, note_counts, room_record, row_of  # noqa: E402
+from benchmarks.figures import FIGURES, Row, level_table, note_counts, room_record, row_of, side_by_side  # noqa: E402
 from benchmarks.judge import judge  # noqa: E402
 from benchmarks.outcome import Job, Outcome  # noqa: E402
 from benchmarks.pictures import overlay_page, reliability_picture  # noqa: E402
@@ -138,7 +138,7 @@ def main(arguments: list[str] | None = None) -> int:
     lines = [row_texts(suite, name, o, rows[name][suite]) for (name, suite), o in results.items()]
     settings = {"rooms": wanted.rooms, "seed": wanted.seed}
     heading = f"{wanted.rooms} rooms a suite from seed {wanted.seed}, {wanted.jobs} processes; {machine()}"
-    text = "\n\n".join([heading, table(_HEAD, lines), *remarks(results)])
+    text = "\n\n".join([heading, table(_HEAD, lines), *compared(results), *remarks(results)])
     print(text)
     if wanted.out is not None:
         write_out(wanted.out, results, document(settings, rows, results), text)
@@ -148,6 +148,26 @@ def main(arguments: list[str] | None = None) -> int:
     for complaint in complaints:
         print(f"WORSE  {complaint}", file=sys.stderr)
     return 1 if complaints else 0
+
+
+def compared(results: Results) -> list[str]:
+    """Joint and greedy on the lengths that both found, where both were run."""
+    lines = []
+    for (run_name, suite), outcomes in results.items():
+        greedy = results.get((run_name.replace("joint", "greedy"), suite))
+        if not run_name.startswith("joint") or greedy is None:
+            continue
+        figures = side_by_side(outcomes, greedy)
+        cells = [suite]
+        for prefix in ("", "right_"):
+            cells.append(str(int(figures[f"{prefix}lengths"])))
+            for name in ("rmse_mm", "other_rmse_mm", "median_mm", "other_median_mm"):
+                value = figures.get(f"{prefix}{name}")
+                cells.append("-" if value is None else f"{value:.2f}")
+        lines.append(cells)
+    four = ("RMSE joint", "greedy", "median joint", "greedy")
+    head = ("mm on lengths both found", "number", *four, "both right", *four)
+    return [table(head, lines)] if lines else []
 
 
 def remarks(results: Results) -> list[str]:

@@ -82,6 +82,35 @@ def row_of(outcomes: Sequence[Outcome]) -> Row:
     return {name: None if np.isnan(value) else round(value, 5) for name, value in row.items()}
 
 
+def side_by_side(first: Sequence[Outcome], second: Sequence[Outcome]) -> dict[str, float]:
+    """RMSE and median absolute error in millimetres of both, on the true lengths that both have a number for.
+
+    Each way of fitting loses other rooms, the hard ones; over all its own lengths the one that loses more of
+    them looks better. `rooms` where both have the right structure are told apart with `right_`.
+    """
+    pairs: list[tuple[float, float, bool]] = []
+    for one, other in zip(first, second, strict=True):
+        assert one.job.seed == other.job.seed, "the same rooms, in the same order"
+        if one.comparison is None or other.comparison is None:
+            continue
+        theirs = {check.truth: check.error_m for check in other.comparison.lengths}
+        both_right = one.right and other.right
+        pairs += [
+            (check.error_m, theirs[check.truth], both_right)
+            for check in one.comparison.lengths
+            if check.truth in theirs
+        ]
+    found: dict[str, float] = {}
+    for prefix, chosen in (("", pairs), ("right_", [pair for pair in pairs if pair[2]])):
+        errors_mm = 1e3 * np.array([pair[:2] for pair in chosen]).reshape(-1, 2)
+        found[f"{prefix}lengths"] = len(errors_mm)
+        if len(errors_mm):
+            rmse, median = np.sqrt(np.mean(errors_mm**2, axis=0)), np.median(np.abs(errors_mm), axis=0)
+            found |= {f"{prefix}rmse_mm": float(rmse[0]), f"{prefix}other_rmse_mm": float(rmse[1])}
+            found |= {f"{prefix}median_mm": float(median[0]), f"{prefix}other_median_mm": float(median[1])}
+    return found
+
+
 def level_table(outcomes: Sequence[Outcome]) -> dict[float, dict[str, float]]:
     """Coverage with its own interval at every level that was run."""
     hits: dict[float, list[bool]] = {}
