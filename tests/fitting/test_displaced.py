@@ -113,7 +113,7 @@ def test_doubt_moves_a_side_of_the_room_as_a_whole():
     )
     others_m = np.zeros((1, 2, 3))
     others_m[0, 1, 0] = -SHIFT_M
-    covariance = doubt_covariance(cells, Displacements(np.zeros((2, 3)), others_m))
+    covariance = doubt_covariance(cells, Displacements(np.zeros((2, 3)), others_m), 3)
     step, across = np.array([0.0, -1.0, 1.0]), np.array([-1.0, 1.0, 0.0])
     assert step @ covariance @ step == pytest.approx(0.0, abs=1e-12)
     # Half of the cases are off by the whole shift.

@@ -11,9 +11,9 @@ from jaxtyping import Bool, Float, Int
 from scipy import optimize, sparse
 from scipy.sparse import csgraph
 
+from indoorfit.geometry import MAD_TO_STD
+
 from .uncertainty import Cells
-from .uncertainty.cells import ROTATIONS
-from .uncertainty.location import MAD_TO_STD
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,9 @@ def _other_ways(
     return ways
 
 
-def doubt_covariance(cells: Cells, displacements: Displacements) -> Float[np.ndarray, "planes planes"]:
+def doubt_covariance(
+    cells: Cells, displacements: Displacements, n_planes: int
+) -> Float[np.ndarray, "planes planes"]:
     """How far planes would be off together if it was the other frames that were displaced, m^2.
 
     Second moments about the values of a law that has each of the two answers in half of the cases: the sides
@@ -162,12 +164,13 @@ def doubt_covariance(cells: Cells, displacements: Displacements) -> Float[np.nda
     Args:
         cells: per frame and plane, at the shifts that were chosen.
         displacements: with frames as in the cells.
+        n_planes: of the shape.
     """
-    n_planes = cells.n_params - ROTATIONS
     total = np.zeros((n_planes, n_planes))
     assert cells.frames is not None, "the cells of single frames are needed"
+    normals = np.eye(3)[cells.axes] if cells.normals is None else cells.normals
     for other_m in displacements.others_m:
-        per_cell_m = -other_m[cells.frames, cells.axes]
+        per_cell_m = -np.sum(other_m[cells.frames] * normals, axis=1)
         moved_m = np.zeros(n_planes)
         for plane in np.unique(cells.plane):
             own = cells.plane == plane

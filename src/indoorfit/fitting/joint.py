@@ -154,9 +154,8 @@ def _swing(
 def _moved_along(data: PatchData, shape: Shape, offsets_m: Float[np.ndarray, " planes"]) -> PatchData:
     """The patches with their planes: residuals stay as they are."""
     patches = data.patches
-    axes = np.array([plane.axis for plane in shape.planes])[patches.plane]
-    means_m = patches.means_m.copy()
-    means_m[np.arange(len(axes)), axes] += (offsets_m - shape.offsets_m)[patches.plane]
+    normals = np.array([plane.normal for plane in shape.planes])[patches.plane]
+    means_m = patches.means_m + (offsets_m - shape.offsets_m)[patches.plane][:, None] * normals
     return replace(data, patches=replace(patches, means_m=means_m))
 
 

@@ -5,9 +5,10 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float, Int
 
+from indoorfit.geometry import MAD_TO_STD
+
 from .cells import Cells
 from .field import LOG_ETA, LOG_LENGTH, LOG_TAU, Block
-from .location import MAD_TO_STD
 
 _APART_M = 0.35
 """Patches of floor and ceiling within half a patch of each other, in plan, are over each other."""
