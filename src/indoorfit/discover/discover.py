@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from indoorfit.model import FaceClass, Note, Segments, Shape, Surfels
+from indoorfit.model import FaceClass, Note, Rays, Segments, Shape, Surfels
 
 from .candidates import CandidateConfig
 from .labelling import LabelConfig, price_of_one
@@ -41,6 +41,7 @@ def discover(
     classes: tuple[FaceClass | None, ...],
     config: DiscoverConfig,
     overrides: PlanOverrides = _NO_OVERRIDES,
+    rays: Rays | None = None,
 ) -> tuple[Shape, tuple[Note, ...]]:
     """Find rooms, notches, nested notches and pillars, and the levels of their floors and ceilings.
 
@@ -54,6 +55,7 @@ def discover(
         classes: of these segments.
         config: see `DiscoverConfig`.
         overrides: walls that a person forced or forbade.
+        rays: lines of sight, Manhattan frame, where the sensor's places are known.
 
     Returns:
         the grammar with a first position for every plane, rooms by decreasing area; remarks.
@@ -65,7 +67,8 @@ def discover(
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
-    plan = find_plan(surfaces, oblique, seen_m2, config.candidates, config.labels, config.rooms, overrides)
+    settings = (config.candidates, config.labels, config.rooms)
+    plan = find_plan(surfaces, oblique, seen_m2, *settings, overrides, rays)
     price = price_of_one(seen_m2, config.labels)
     shape, notes = build_shape(
         plan.rooms, plan.grid, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels

@@ -11,9 +11,11 @@ from scipy.spatial import KDTree
 from .candidates import Lines
 from .surfaces import Surfaces
 
-_BAND_M = 0.5
+BAND_M = 0.5
 """The band under the ceiling that separates walls from furniture: above doors (2.1 m of 2.6 m)."""
-_UNDER_M = 0.25
+BAND_SHARE = 0.6
+"""What the band counts of a wall; the rest counts the rest."""
+UNDER_M = 0.25
 """Of a door of 2.1 m in a room of 2.4 m, the lintel fills this stretch below the ceiling."""
 _LINTEL_M = 0.15
 """What hangs lower than this is at another level than the ceiling: a lintel is higher, drift is less."""
@@ -24,6 +26,21 @@ the main level, or wide."""
 _WIDE_M = 0.8
 """A low surface that is wider is the ceiling of a low room, a bath or a passage: walls, and so the heads of
 their openings, are up to half a metre deep, cupboards 0.6 m, and nobody walks through less than 0.8 m."""
+
+
+@dataclass(frozen=True)
+class FreeShares:
+    """Shares of area that lines of sight passed, between 0 and 1, on the grid of the candidate lines."""
+
+    overhead: Float[np.ndarray, "nx ny"]
+    """Of the cell: right below the ceiling, or ceiling was seen over it."""
+    air: Float[np.ndarray, "nx ny"]
+    """Of the cell: at any height above the floor."""
+    walls: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
+    """Of the borders: in the band under the ceiling and where no wall was seen; counted as in
+    `Evidence.walls`."""
+    over: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
+    """Of the last stretch of the borders below the ceiling: cupboards end below it."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +57,8 @@ class Evidence:
     """Wall seen on the borders of constant x and of constant y; the outermost borders included."""
     lintels: tuple[Float[np.ndarray, "nx1 ny"], Float[np.ndarray, "nx ny1"]]
     """The same for the last stretch below the higher of the two ceilings: there a door has a lintel."""
+    free: FreeShares | None = None
+    """What lines of sight passed, where they are known."""
 
 
 def gather_evidence(surfaces: Surfaces, lines: tuple[Lines, Lines]) -> Evidence:
@@ -170,7 +189,7 @@ def _border_coverage(
     n_lines, n_along = len(across.offsets_m), len(along.offsets_m) - 1
     valid = (on_line >= 0) & (cell >= 0) & (cell < n_along)
     on_line, cell, wall_m = on_line[valid], cell[valid], wall_m[valid]
-    low_m, high_m = _border_tops(np.moveaxis(ceiling, axis, 0), np.moveaxis(top_m, axis, 0))
+    low_m, high_m = border_tops(np.moveaxis(ceiling, axis, 0), np.moveaxis(top_m, axis, 0))
     walls, lintels = np.zeros((n_lines, n_along)), np.zeros((n_lines, n_along))
     border = on_line * n_along + cell
     order = np.argsort(border, kind="stable")
@@ -180,8 +199,8 @@ def _border_coverage(
         line, c = divmod(int(k), n_along)
         ends_m = (along.offsets_m[c], along.offsets_m[c + 1])
         walls[line, c] = border_share(members, ends_m, low_m[line, c], surfaces)
-        under_m = (high_m[line, c] - _UNDER_M, high_m[line, c])
-        lintels[line, c] = _band_share(members, ends_m, under_m, surfaces)
+        under_m = (high_m[line, c] - UNDER_M, high_m[line, c])
+        lintels[line, c] = band_share(members, ends_m, under_m, surfaces)
     return np.moveaxis(walls, 0, axis), np.moveaxis(lintels, 0, axis)
 
 
@@ -196,7 +215,7 @@ def _near_lines(
     return surfaces.stray_m[near], nearest[near]
 
 
-def _border_tops(
+def border_tops(
     ceiling: Float[np.ndarray, "n m"], top_m: Float[np.ndarray, "n m"]
 ) -> tuple[Float[np.ndarray, "n1 m"], Float[np.ndarray, "n1 m"]]:
     """Ceiling heights at each border: of two seen ceilings the lower and the higher, else the seen one.
@@ -216,12 +235,12 @@ def border_share(
     points_m: Float[np.ndarray, "points 2"], ends_m: tuple[float, float], top_m: float, surfaces: Surfaces
 ) -> float:
     """Share of the border's length with wall, the band under the ceiling counting more than the rest."""
-    band_m, rest_m = (top_m - _BAND_M, top_m), (surfaces.floor_height_m, top_m - _BAND_M)
-    band, rest = (_band_share(points_m, ends_m, z_m, surfaces) for z_m in (band_m, rest_m))
-    return 0.6 * band + 0.4 * rest
+    band_m, rest_m = (top_m - BAND_M, top_m), (surfaces.floor_height_m, top_m - BAND_M)
+    band, rest = (band_share(points_m, ends_m, z_m, surfaces) for z_m in (band_m, rest_m))
+    return BAND_SHARE * band + (1.0 - BAND_SHARE) * rest
 
 
-def _band_share(
+def band_share(
     points_m: Float[np.ndarray, "points 2"],
     ends_m: tuple[float, float],
     z_m: tuple[float, float],

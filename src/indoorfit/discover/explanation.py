@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from indoorfit.model import FaceClass, Note, Segments, Surfels
+from indoorfit.model import FaceClass, Note, Rays, Segments, Surfels
 
 from .cuts import Trial
 from .discover import DiscoverConfig
@@ -56,6 +56,9 @@ class CandidateReport:
     verdict: Verdict
     wall_m: float
     """Length of wall seen on it: the shares seen of its borders, times their lengths."""
+    passed_m: float | None
+    """The same of the stretch below the ceiling where lines of sight passed and no wall was seen; None where
+    the sensor's places are not known."""
     outline_m: float
     """Length on which a room ends there."""
     outline_seen: float
@@ -102,6 +105,7 @@ def explain(
     classes: tuple[FaceClass | None, ...],
     config: DiscoverConfig,
     overrides: PlanOverrides,
+    rays: Rays | None = None,
 ) -> Explanation:
     """Find the plan as `discover` does, and ask of every candidate what a plan with or without it would cost.
 
@@ -111,6 +115,7 @@ def explain(
         classes: of these segments.
         config: see `DiscoverConfig`.
         overrides: walls that a person forced or forbade.
+        rays: lines of sight, Manhattan frame, where the sensor's places are known.
 
     Raises:
         InputError: no walls, no floor, or no closed room.
@@ -119,7 +124,8 @@ def explain(
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
-    plan = find_plan(surfaces, oblique, seen_m2, config.candidates, config.labels, config.rooms, overrides)
+    settings = (config.candidates, config.labels, config.rooms)
+    plan = find_plan(surfaces, oblique, seen_m2, *settings, overrides, rays)
     energy = plan_energy(plan.evidence, plan.grid, plan.price, config.labels, plan.forbidden)
     odds = -cell_costs(plan.evidence, np.outer(*(np.diff(line) for line in plan.grid)), config.labels)
     candidates = tuple(
@@ -171,6 +177,7 @@ def _report(
         forced=bool(np.any(forced)),
         verdict=verdict,
         wall_m=float(np.sum(walls * lengths_m)),
+        passed_m=_passed_m(plan, axis, k),
         outline_m=outline_m,
         outline_seen=float(np.sum((walls * lengths_m)[ends]) / outline_m) if accepted else 0.0,
         stretch_m=(float(along_m[drawn[0]]), float(along_m[drawn[-1] + 1])),
@@ -183,6 +190,14 @@ def _report(
         report = replace(report, difference_nats=nats)
     rooms = sorted({int(r) for r in _rooms_at(plan, axis, k, ends)} - {0})
     return replace(report, reason=_reason(report, rooms, plan.inside, axis, k, strongest))
+
+
+def _passed_m(plan: Plan, axis: int, k: int) -> float | None:
+    """How much of line `k` of an axis lines of sight passed."""
+    free = plan.evidence.free
+    if free is None:
+        return None
+    return float(np.sum(np.moveaxis(free.walls[axis], axis, 0)[k] * np.diff(plan.grid[1 - axis])))
 
 
 def _sides(
@@ -246,6 +261,8 @@ def _reason(
         return _accepted(report, rooms)
     cost = "" if difference is None else f" The best plan with a wall there is {difference:.1f} nats worse."
     found = f"{report.wall_m:.2f} m of wall were seen on it" if report.seen else "No wall was seen on it"
+    if report.passed_m is not None and round(report.passed_m, 2) > 0.0:
+        found += f", lines of sight pass it on {report.passed_m:.2f} m"
     if report.forced:
         found = "It was forced by an override"
     below, above = report.beside

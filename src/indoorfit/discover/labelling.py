@@ -42,6 +42,13 @@ class LabelConfig:
     """Chance that a stretch of the room's wall was seen, beside furniture and windows."""
     wall_elsewhere: float = 0.05
     """Chance of wall up to the ceiling where the room does not end: partitions, wardrobes."""
+    passed_between: float = 0.05
+    """Chance that lines of sight passed, right below the ceiling, a stretch where the room's wall is: tall
+    windows, and frames that slipped. Of walls that were not seen these are few: `wall_between` has the
+    rest."""
+    passed_elsewhere: float = 0.7
+    """Chance that they passed it where the room goes on; where they did not, nobody looked, or what stands
+    in the room hid it."""
     wall_price: float | None = None
     """Cost in nats of every wall of the outline and of every level; by default, see `price_of_wall` and
     `price_of_one`."""
@@ -52,8 +59,9 @@ class LabelConfig:
     warning that says how far off it can be."""
 
     def __post_init__(self) -> None:
-        chances = ("ceiling_inside", "ceiling_outside", "floor_inside", "floor_outside")
-        for name in (*chances, "wall_between", "wall_elsewhere"):
+        levels = ("ceiling_inside", "ceiling_outside", "floor_inside", "floor_outside")
+        walls = ("wall_between", "wall_elsewhere", "passed_between", "passed_elsewhere")
+        for name in (*levels, *walls):
             value = getattr(self, name)
             if not 0.0 < value < 1.0:
                 raise ConfigError(
@@ -106,10 +114,22 @@ def plan_energy(
     borders = []
     for axis in (0, 1):
         along = widths[1][None, :] if axis == 0 else widths[0][:, None]
-        cost = -log_odds(evidence.walls[axis], config.wall_between, config.wall_elsewhere)
+        cost = -_border_odds(evidence, axis, config)
         cost = cost * along / config.patch_m
         borders.append(cost if forbidden is None else np.where(forbidden[axis], FORBIDDEN_NATS, cost))
     return PlanEnergy(cells, (borders[0], borders[1]), price)
+
+
+def _border_odds(evidence: Evidence, axis: int, config: LabelConfig) -> Float[np.ndarray, "_ _"]:
+    """Log likelihood ratios of the borders of constant `axis`, per patch: the room ends there, or not."""
+    seen = evidence.walls[axis]
+    odds = log_odds(seen, config.wall_between, config.wall_elsewhere)
+    if evidence.free is None:
+        return odds
+    # What was passed was not seen: it says more than that.
+    _, unseen = _odds_of_one(config.wall_between, config.wall_elsewhere)
+    passed = float(np.log(config.passed_between / config.passed_elsewhere))
+    return odds + evidence.free.walls[axis] * (passed - unseen)
 
 
 def price_of_one(seen_m2: float, config: LabelConfig) -> float:
@@ -168,12 +188,28 @@ def cell_costs(
     # hides.
     known = 1.0 - evidence.heads
     floor = np.minimum(evidence.floor, known)
-    gain = floor * fine * seen + (known - floor) * coarse * unseen
+    air, overhead = _no_absence(evidence, known)
+    gain = floor * fine * seen + (known - np.maximum(floor, air)) * coarse * unseen
     # A scan without any ceiling says nothing by not showing it over a cell.
     if np.any(evidence.ceiling > 0):
         seen, unseen = _odds_of_one(config.ceiling_inside, config.ceiling_outside)
-        # Over floor that was seen the missing ceiling is no gap: somebody looked there, and it is a terrace.
+        # Over floor that was seen the missing ceiling is no gap: somebody looked there, and it is a terrace;
+        # but for where the look passed no opening and just did not go up.
         ceiling = np.minimum(evidence.ceiling, known)
-        missing = np.minimum(known - ceiling, floor)
-        gain += ceiling * fine * seen + (missing * fine + (known - ceiling - missing) * coarse) * unseen
+        absent = known - np.maximum(ceiling, overhead)
+        missing = np.minimum(absent, np.maximum(floor - air, 0.0))
+        gain += ceiling * fine * seen + (missing * fine + (absent - missing) * coarse) * unseen
     return -gain
+
+
+def _no_absence(
+    evidence: Evidence, known: Float[np.ndarray, "nx ny"]
+) -> tuple[Float[np.ndarray, "nx ny"], Float[np.ndarray, "nx ny"]]:
+    """Shares of cells where lines of sight passed, so that unseen floor, unseen ceiling say nothing.
+
+    The place is empty, and just not a look at its floor or ceiling. That alone makes it no part of the room:
+    a single look through an opening of which neither lintel nor head was seen passes many square metres.
+    """
+    if evidence.free is None:
+        return np.zeros_like(known), np.zeros_like(known)
+    return np.minimum(evidence.free.air, known), np.minimum(evidence.free.overhead, known)

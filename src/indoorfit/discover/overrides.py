@@ -125,7 +125,7 @@ def forbidden_borders(lines: tuple[Lines, Lines], walls: Sequence[WallStretch]) 
 
 
 def overridden_evidence(evidence: Evidence, forced: Borders, forbidden: Borders) -> Evidence:
-    """Forced walls as seen on their whole area, forbidden ones as never seen."""
+    """Forced walls as seen on their whole area and passed by no look, forbidden ones as never seen."""
     walls, lintels = (
         tuple(
             np.where(no, 0.0, np.where(yes, 1.0, share))
@@ -133,7 +133,14 @@ def overridden_evidence(evidence: Evidence, forced: Borders, forbidden: Borders)
         )
         for shares in (evidence.walls, evidence.lintels)
     )
-    return replace(evidence, walls=(walls[0], walls[1]), lintels=(lintels[0], lintels[1]))
+    free = evidence.free
+    if free is not None:
+        passed, over = (
+            tuple(np.where(yes, 0.0, share) for share, yes in zip(shares, forced, strict=True))
+            for shares in (free.walls, free.over)
+        )
+        free = replace(free, walls=(passed[0], passed[1]), over=(over[0], over[1]))
+    return replace(evidence, walls=(walls[0], walls[1]), lintels=(lintels[0], lintels[1]), free=free)
 
 
 def outlines(room: Int[np.ndarray, "nx ny"]) -> Borders:

@@ -38,8 +38,15 @@ def open_borders(
         partition_share: least share of wall on a partition, of lintel over a door.
         door_m: clear width up to which an opening with a lintel is a door; a wider one is under a beam.
     """
-    open_x = inside[1:] & inside[:-1] & (evidence.walls[0][1:-1] < partition_share)
-    open_y = inside[:, 1:] & inside[:, :-1] & (evidence.walls[1][:, 1:-1] < partition_share)
+    across_x, across_y = (walls >= partition_share for walls in evidence.walls)
+    if evidence.free is not None:
+        # Where most of the stretch under the ceiling was passed, it is a cupboard's side or front.
+        across_x, across_y = (
+            across_x & (evidence.free.over[0] < 0.5),
+            across_y & (evidence.free.over[1] < 0.5),
+        )
+    open_x = inside[1:] & inside[:-1] & ~across_x[1:-1]
+    open_y = inside[:, 1:] & inside[:, :-1] & ~across_y[:, 1:-1]
     _shut_doors(open_x, evidence.lintels[0][1:-1], grid[1], partition_share, door_m)
     _shut_doors(open_y.T, evidence.lintels[1][:, 1:-1].T, grid[0], partition_share, door_m)
     return open_x, open_y

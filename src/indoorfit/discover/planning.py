@@ -1,17 +1,19 @@
 """From surfaces to rooms in the plan: candidates, evidence, labels. Discovery and explanation share it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Int
 
 from indoorfit.errors import InputError
-from indoorfit.model import Note
+from indoorfit.model import Note, Rays
 
 from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
 from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts, wall_nats
 from .evidence import Evidence, gather_evidence
+from .free_shares import free_shares
+from .free_space import trace
 from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
 from .minimise import minimise
@@ -75,6 +77,7 @@ def find_plan(
     labels: LabelConfig,
     rooms: RoomConfig,
     overrides: PlanOverrides,
+    rays: Rays | None = None,
 ) -> Plan:
     """Decide which cells belong to which room.
 
@@ -84,6 +87,7 @@ def find_plan(
         seen_m2: area of all surfaces that were seen.
         candidates, labels, rooms: settings of the three steps.
         overrides: walls that a person forced or forbade.
+        rays: lines of sight, Manhattan frame, where the sensor's places are known.
 
     Raises:
         InputError: no room.
@@ -97,10 +101,13 @@ def find_plan(
     lines, partial = _two_each(lines, surfaces)
     price = price_of_wall(lines, labels)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
+    free = None if rays is None else trace(rays, surfaces, lines)
     grid = (lines[0].offsets_m, lines[1].offsets_m)
 
     def evidence_with(cuts: Sequence[Cut]) -> Evidence:
         seen = gather_evidence(*cut_evidence(surfaces, lines, cuts))
+        if free is not None:
+            seen = replace(seen, free=free_shares(free, seen, surfaces, lines))
         return overridden_evidence(neutral(seen, grid, cuts, labels), forced, forbidden)
 
     def solve(cuts: Sequence[Cut]) -> tuple[Bool[np.ndarray, "nx ny"], float]:

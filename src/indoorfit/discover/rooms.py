@@ -30,6 +30,10 @@ from .surfaces import Surfaces
 _NOTABLE_M2 = 1.0
 """Levels of less area than this are not worth a warning."""
 
+_LOOKED_INTO = 0.1
+"""Least share of a room that lines of sight passed before any opening. Rooms where the sensor stood, if only
+behind the door, show more, others nothing."""
+
 
 @dataclass(frozen=True)
 class RoomConfig:
@@ -72,6 +76,7 @@ def split_rooms(
     large = [mask for mask in pieces if areas[mask].sum() >= config.min_area_m2]
     for small in pieces[len(large) :]:
         _give_back(small, large, grid)
+    large = _looked_into(large, evidence, areas)
     # The largest piece is what was scanned, however open; others must show walls of their own.
     rooms = [mask for k, mask in enumerate(large) if k == 0 or _walled(mask, evidence, grid) >= config.walled]
     if not rooms:
@@ -81,6 +86,20 @@ def split_rooms(
             "Fix: check --unit and --up, and that ceiling and walls were scanned."
         )
     return rooms
+
+
+def _looked_into(
+    pieces: list[Bool[np.ndarray, "nx ny"]], evidence: Evidence, areas: Float[np.ndarray, "nx ny"]
+) -> list[Bool[np.ndarray, "nx ny"]]:
+    """Those pieces that lines of sight passed before any opening; all where they are not known.
+
+    What the sensor saw through doors and windows only is not what was scanned, however large it is.
+    """
+    if evidence.free is None:
+        return pieces
+    air = evidence.free.air
+    found = [mask for mask in pieces if np.average(air[mask], weights=areas[mask]) >= _LOOKED_INTO]
+    return found or pieces
 
 
 def _give_back(

@@ -96,13 +96,10 @@ def sight_of(scan: Scan, frame: Frame) -> Sight | None:
         scan: with `frame_ids` and the poses of all those frames.
         frame: of the Manhattan axes.
     """
-    if scan.frame_ids is None or scan.n_points == 0:
+    told = scan.sensors()
+    if told is None:
         return None
-    known = {sensor.id: sensor for sensor in scan.frames}
-    ids, index = np.unique(scan.frame_ids, return_inverse=True)
-    if not all(int(k) in known for k in ids):
-        return None
-    sensors = [known[int(k)] for k in ids]
+    sensors, index = told
     centres_m = np.stack([sensor.position_m for sensor in sensors])
     rotations = [sensor.rotation for sensor in sensors if sensor.rotation is not None]
     axes = np.stack([rotation[:, 2] for rotation in rotations]) if len(rotations) == len(sensors) else None

@@ -23,6 +23,7 @@ from .picture import Camera as Camera
 from .picture import CameraImage as CameraImage
 from .picture import Photo as Photo
 from .picture import Pictures as Pictures
+from .rays import Rays as Rays
 from .registration import FrameMotion as FrameMotion
 from .result import Budget as Budget
 from .result import Dimension as Dimension

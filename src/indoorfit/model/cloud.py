@@ -48,6 +48,19 @@ class Scan:
         """Number of points."""
         return len(self.points_m)
 
+    def sensors(self) -> tuple[tuple[SensorFrame, ...], Int[np.ndarray, " points"]] | None:
+        """The sensor poses in the order of their ids, and which of them saw each point.
+
+        None unless the scan tells the sensor's place of every point.
+        """
+        if self.frame_ids is None or self.n_points == 0:
+            return None
+        known = {sensor.id: sensor for sensor in self.frames}
+        ids, index = np.unique(self.frame_ids, return_inverse=True)
+        if not all(int(k) in known for k in ids):
+            return None
+        return tuple(known[int(k)] for k in ids), index
+
 
 @dataclass(frozen=True)
 class VoxelCloud:

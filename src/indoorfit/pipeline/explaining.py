@@ -12,6 +12,7 @@ from indoorfit.model import Frame, Scan
 from .front import front_end
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch
+from .rays import rays_of
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ def explain_scan(scan: Scan, config: RunConfig | None = None) -> Explained:
     with threadpool_limits(1, "blas"):
         front = front_end(scan, config, np.random.default_rng(config.seed), Stopwatch())
         said = plan_overrides(config.overrides, front.frame)
-        found = explain(front.surfels, front.segments, front.classes, config.discover, said)
+        rays = rays_of(scan, front.frame)
+        found = explain(front.surfels, front.segments, front.classes, config.discover, said, rays)
     notes = (*scan.notes, *front.notes, *found.notes)
     return Explained(scan, front.frame, replace(found, notes=notes))

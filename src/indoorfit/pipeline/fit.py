@@ -56,6 +56,7 @@ from .front import FrontEnd, front_end
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
 from .put_back import put_back, with_moves
+from .rays import rays_of
 
 log = logging.getLogger("indoorfit")
 
@@ -150,7 +151,8 @@ def _fit(
     else:
         with watch.stage("discover"):
             said = plan_overrides(config.overrides, frame)
-            start, notes = discover(local, segments, classes, config.discover, said)
+            rays = rays_of(scan, frame)
+            start, notes = discover(local, segments, classes, config.discover, said, rays)
         log.info("discover: %d room(s), %d planes", len(start.rooms), len(start.planes))
         with watch.stage("fit"):
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)

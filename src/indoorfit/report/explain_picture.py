@@ -11,6 +11,9 @@ from .display import Dots, Item, Label, Picture, Region, Stroke
 
 _INK, _QUIET, _PAPER, _POINTS = "#2a2d30", "#6a7076", "#ffffff", "#b4b8bc"
 _SEEN, _INFERRED, _OUTLINE = "#1f5f8b", "#c8601a", "#1d2b36"
+_PASSED = "#3d8f5a"
+_PASSED_SHARE = 0.3
+"""Of a border: half of the band under the ceiling, which counts 0.6 of a wall."""
 _INSIDE, _OUTSIDE = np.array([126.0, 178.0, 224.0]), np.array([242.0, 178.0, 120.0])
 _FULL_NATS_M2 = 20.0
 """Log odds per square metre at which a tint is full: a ceiling seen whole gives 32, one unseen minus 9."""
@@ -44,6 +47,7 @@ def explain_picture(found: Explanation, frame: Frame, points_m: Float[np.ndarray
 
     drawing: list[Item] = [*_cells(found, page), *_dots(found, frame, points_m, page, size)]
     drawing += [_line(candidate, low, high, page) for candidate in found.candidates]
+    drawing += [Stroke(page(ends), _PASSED, 3.0, (4.0, 4.0)) for ends in _passed(found)]
     drawing += [Stroke(page(ends), _OUTLINE, 4.5) for ends in _outline(found)]
     for trial in found.oblique:
         drawing.append(Stroke(page(trial.line.ends_m), _SEEN, 1.6 if trial.accepted else 0.9))
@@ -51,9 +55,10 @@ def explain_picture(found: Explanation, frame: Frame, points_m: Float[np.ndarray
             drawing.append(Stroke(page(trial.cut.corner.corners_m[:2]), _OUTLINE, 4.5))
     drawing += [*ids_left, *ids_top]
     width = max(corner[0] + size[0] + _MARGIN, 720.0)
+    passed = found.evidence.free is not None
     items = (
         Label("Why the plan is as it is", (_MARGIN, _MARGIN + 6.0), 18.0, _INK, "start"),
-        *_legend(_MARGIN, _MARGIN + 34.0),
+        *_legend(_MARGIN, _MARGIN + 34.0, passed),
         *(item.moved(corner) for item in drawing),
     )
     about = f"{len(found.candidates)} candidates for walls, and the cells between them by their evidence."
@@ -113,6 +118,19 @@ def _outline(found: Explanation) -> list[np.ndarray]:
     return pairs
 
 
+def _passed(found: Explanation) -> list[np.ndarray]:
+    """The borders that lines of sight pass below the ceiling, as pairs of points."""
+    free, (x, y) = found.evidence.free, found.grid
+    if free is None:
+        return []
+    pairs = [
+        np.array([[x[i], y[j]], [x[i], y[j + 1]]]) for i, j in np.argwhere(free.walls[0] > _PASSED_SHARE)
+    ]
+    return pairs + [
+        np.array([[x[i], y[j]], [x[i + 1], y[j]]]) for i, j in np.argwhere(free.walls[1] > _PASSED_SHARE)
+    ]
+
+
 def _lettered(
     found: Explanation, low: np.ndarray, high: np.ndarray, scale: float
 ) -> tuple[list[Label], list[Label]]:
@@ -140,14 +158,17 @@ def _left(labels: list[Label], upright: bool = False) -> float:
     return max((-label.box()[1 if upright else 0] for label in labels), default=0.0)
 
 
-def _legend(x: float, y: float) -> list[Item]:
-    entries = (
+def _legend(x: float, y: float, passed: bool) -> list[Item]:
+    entries = [
         ("room ends here", Stroke(np.array([[0.0, 0.0], [30.0, 0.0]]), _OUTLINE, 4.5)),
         ("wall seen", Stroke(np.array([[0.0, 0.0], [30.0, 0.0]]), _SEEN, 1.6)),
         ("inferred", Stroke(np.array([[0.0, 0.0], [30.0, 0.0]]), _INFERRED, 1.6, (2.0, 3.0))),
         ("evidence for inside", _swatch("#9ec5e8")),
         ("for outside", _swatch("#f5c594")),
-    )
+    ]
+    if passed:
+        stroke = Stroke(np.array([[0.0, 0.0], [30.0, 0.0]]), _PASSED, 3.0, (4.0, 4.0))
+        entries.append(("looked through", stroke))
     items: list[Item] = []
     for text, sample in entries:
         label = Label(text, (x + 36.0, y), 11.0, _INK, "start")

@@ -36,6 +36,7 @@ def explain_document(found: Explanation, frame: Frame) -> dict[str, Any]:
                 "y": [float(found.grid[1][j]), float(found.grid[1][j + 1])],
                 "ceiling": float(found.evidence.ceiling[i, j]),
                 "floor": float(found.evidence.floor[i, j]),
+                **_free(found, i, j),
                 "log_odds": float(found.log_odds[i, j]),
                 "inside": bool(found.inside[i, j]),
                 "room": int(found.room[i, j]) or None,
@@ -61,6 +62,7 @@ def _candidate(candidate: CandidateReport, found: Explanation, frame: Frame) -> 
         "source": _source(candidate),
         "verdict": candidate.verdict,
         "wall_seen": candidate.wall_m,
+        "wall_passed": candidate.passed_m,
         "outline": candidate.outline_m,
         "outline_seen": candidate.outline_seen,
         "difference": candidate.difference_nats,
@@ -102,6 +104,12 @@ def _why(trial: Trial) -> str:
     if np.isfinite(nats):
         return f"The best plan with a corner cut off there is {nats:.1f} nats worse."
     return "It cuts no corner off between two walls: furniture, or a wall beyond the room."
+
+
+def _free(found: Explanation, i: int, j: int) -> dict[str, float]:
+    """Shares of a cell that lines of sight passed, where they are known."""
+    free = found.evidence.free
+    return {} if free is None else {"overhead": float(free.overhead[i, j]), "air": float(free.air[i, j])}
 
 
 def _source(candidate: CandidateReport) -> str:
