@@ -9,9 +9,9 @@ from indoorfit.config import RunConfig
 from indoorfit.discover import Explanation, explain
 from indoorfit.model import Frame, Scan
 
-from .front import front_end
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch
+from .put_back import righted_front
 from .rays import rays_of
 
 
@@ -20,7 +20,7 @@ class Explained:
     """An explanation and where it stands."""
 
     scan: Scan
-    """Without the points that an override ignores."""
+    """Without the points that an override ignores, displaced frames put back."""
     frame: Frame
     explanation: Explanation
 
@@ -38,9 +38,10 @@ def explain_scan(scan: Scan, config: RunConfig | None = None) -> Explained:
     """
     scan, config = overridden(scan, config or RunConfig())
     with threadpool_limits(1, "blas"):
-        front = front_end(scan, config, np.random.default_rng(config.seed), Stopwatch())
+        front, righted = righted_front(scan, config, np.random.default_rng(config.seed), Stopwatch())
+        scan = righted.scan
         said = plan_overrides(config.overrides, front.frame)
         rays = rays_of(scan, front.frame)
         found = explain(front.surfels, front.segments, front.classes, config.discover, said, rays)
-    notes = (*scan.notes, *front.notes, *found.notes)
+    notes = (*scan.notes, *front.notes, *righted.notes, *found.notes)
     return Explained(scan, front.frame, replace(found, notes=notes))

@@ -52,10 +52,10 @@ from indoorfit.model import (
 from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
 
-from .front import FrontEnd, front_end
+from .front import FrontEnd
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
-from .put_back import put_back, with_moves
+from .put_back import righted_front, with_moves
 from .rays import rays_of
 
 log = logging.getLogger("indoorfit")
@@ -102,12 +102,8 @@ def _textured(
 def _run(scan: Scan, config: RunConfig, watch: Stopwatch) -> tuple[FitResult, Scan]:
     """The result, and the scan that it is of: frames that were displaced have been put back."""
     rng = np.random.default_rng(config.seed)
-    front = front_end(scan, config, rng, watch)
-    with watch.stage("frames"):
-        righted = put_back(scan, front, config)
-    if righted.moves:
-        scan = righted.scan
-        front = front_end(scan, config, rng, watch)
+    front, righted = righted_front(scan, config, rng, watch)
+    scan = righted.scan
     fitted = replace(_fit(scan, front, config, rng, watch), displacements=righted.found)
     notes = (*scan.notes, *front.notes, *righted.notes)
     return with_moves(_measure(scan, fitted, notes, config, rng, watch), righted.moves), scan

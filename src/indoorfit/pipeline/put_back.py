@@ -10,7 +10,8 @@ from indoorfit.config import RunConfig
 from indoorfit.fitting import Displacements, displaced_shifts
 from indoorfit.model import FitResult, Note, Scan
 
-from .front import FrontEnd
+from .front import FrontEnd, front_end
+from .provenance import Stopwatch
 
 Moves = Mapping[int, Float[np.ndarray, " 3"]]
 """What was added to the points of a frame, by its id; scan axes, metres."""
@@ -25,6 +26,26 @@ class PutBack:
     found: Displacements | None
     """Of the frames in the order of their ids; None where none was looked for or none is off."""
     notes: tuple[Note, ...]
+
+
+def righted_front(
+    scan: Scan, config: RunConfig, rng: np.random.Generator, watch: Stopwatch
+) -> tuple[FrontEnd, PutBack]:
+    """The front end of the scan with displaced frames put back, and what was moved.
+
+    Args:
+        scan: without the points that are to be ignored.
+        config: settings of the front end and of the frames.
+        rng: for orientation.
+        watch: gets the seconds of each stage.
+
+    Raises:
+        InputError: the cloud cannot be a room.
+    """
+    front = front_end(scan, config, rng, watch)
+    with watch.stage("frames"):
+        righted = put_back(scan, front, config)
+    return (front_end(righted.scan, config, rng, watch) if righted.moves else front), righted
 
 
 def put_back(scan: Scan, front: FrontEnd, config: RunConfig) -> PutBack:
