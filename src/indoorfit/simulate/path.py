@@ -137,7 +137,10 @@ def _free_grid(scene: Scene) -> _Grid:
         free |= _in_door(opening, x_m, y_m)
     for wall in scene.oblique_walls:
         (x0, y0), (x1, y1) = wall.start_m, wall.end_m
-        free &= (x1 - x0) * (y_m - y0) - (y1 - y0) * (x_m - x0) > 0.0
+        # Behind the wall, and only in the corner that it cuts off: its line may run on through other rooms.
+        behind = (x1 - x0) * (y_m - y0) - (y1 - y0) * (x_m - x0) <= 0.0
+        behind &= (x_m > min(x0, x1)) & (x_m < max(x0, x1)) & (y_m > min(y0, y1)) & (y_m < max(y0, y1))
+        free &= ~behind
     for item in scene.furniture:
         if item.base_m < 1.2:
             c, s = np.cos(item.yaw_rad), np.sin(item.yaw_rad)
