@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .planar import shared_area, union
+
 
 @dataclass(frozen=True)
 class Corner:
@@ -22,12 +24,8 @@ class Corner:
 
         The other two sides are limits of nothing: beyond them the plane goes on, or there is no room.
         """
-        ends = np.roll(self.corners_m, -1, axis=0)
-        sides = ends - self.corners_m
-        turn = np.sign(sides[0, 0] * sides[1, 1] - sides[0, 1] * sides[1, 0])
-        inward = turn * np.stack([-sides[:, 1], sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
         inside = np.ones(len(xy_m), bool)
-        for start, direction, least_m in zip(self.corners_m, inward, (margin_m, 0.0, 0.0), strict=True):
+        for start, direction, least_m in zip(self.corners_m, self._inward, (margin_m, 0.0, 0.0), strict=True):
             inside &= (xy_m - start) @ direction >= least_m
         return inside
 
@@ -41,6 +39,28 @@ class Corner:
         start_m, side_m = float(self.corners_m[2, 1 - axis]), float(self.corners_m[axis, 1 - axis])
         end_m = start_m + min(share, 1.0) * (side_m - start_m)
         return min(start_m, end_m), max(start_m, end_m)
+
+    def share_of(
+        self, start_m: Float[np.ndarray, " 2"], end_m: Float[np.ndarray, " 2"]
+    ) -> tuple[float, float]:
+        """Where a segment is in the triangle, 0 at its start and 1 at its end; empty (0, 0) if nowhere."""
+        low, high = 0.0, 1.0
+        for tail_m, inward in zip(self.corners_m, self._inward, strict=True):
+            before, after = float((start_m - tail_m) @ inward), float((end_m - tail_m) @ inward)
+            if max(before, after) <= 0.0:
+                return 0.0, 0.0
+            if before < 0.0:
+                low = max(low, before / (before - after))
+            elif after < 0.0:
+                high = min(high, before / (before - after))
+        return (low, high) if low < high else (0.0, 0.0)
+
+    @property
+    def _inward(self) -> Float[np.ndarray, "3 2"]:
+        """Unit vectors across the sides, into the triangle; the first side is the oblique wall."""
+        sides = np.roll(self.corners_m, -1, axis=0) - self.corners_m
+        turn = np.sign(sides[0, 0] * sides[1, 1] - sides[0, 1] * sides[1, 0])
+        return turn * np.stack([-sides[:, 1], sides[:, 0]], axis=1) / np.linalg.norm(sides, axis=1)[:, None]
 
     @property
     def area_m2(self) -> float:
@@ -130,17 +150,18 @@ class Exposure:
     def area_m2(self) -> float:
         """Visible area of the plane."""
         area_m2 = float(np.diff(self.u_m) @ self.mask @ np.diff(self.v_m))
-        for corner in self.corners:
-            area_m2 += corner.area_m2 if corner.floor else -self._covered_m2(corner)
+        area_m2 += sum(corner.area_m2 for corner in self.corners if corner.floor)
+        cut = [corner.corners_m for corner in self.corners if not corner.floor]
+        if cut:
+            cells = [_rectangle(self.u_m[i : i + 2], self.v_m[j : j + 2]) for i, j in np.argwhere(self.mask)]
+            # Of two that meet in the place of a wall, each reaches behind the other.
+            area_m2 -= sum(shared_area(union([[ring] for ring in cut]), [cell]) for cell in cells)
         return area_m2
 
-    def _covered_m2(self, corner: Corner) -> float:
-        return sum(
-            corner.area_in_m2(
-                (float(self.u_m[i]), float(self.v_m[j])), (float(self.u_m[i + 1]), float(self.v_m[j + 1]))
-            )
-            for i, j in np.argwhere(self.mask).tolist()
-        )
+
+def _rectangle(u_m: Float[np.ndarray, " 2"], v_m: Float[np.ndarray, " 2"]) -> Float[np.ndarray, "4 2"]:
+    """Its corners, counter-clockwise."""
+    return np.array([[u_m[0], v_m[0]], [u_m[1], v_m[0]], [u_m[1], v_m[1]], [u_m[0], v_m[1]]])
 
 
 def _ends(margin_m: float) -> tuple[float, float]:

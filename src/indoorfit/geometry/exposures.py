@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float
 
-from indoorfit.model import Cube, Shape
+from indoorfit.model import Cube, Plane, Shape
 
 from .boxes import box_exposures, room_of_planes
 from .exposure import Corner, Exposure
@@ -18,11 +18,17 @@ def exposures(shape: Shape) -> tuple[Exposure, ...]:
     """
     found = box_exposures(shape.squared)
     homes = room_of_planes(shape) if shape.oblique else {}
+    corners = {cube.front: corner_of(shape, cube) for cube in shape.cubes if cube.front is not None}
     for cube in shape.cubes:
         if cube.between is None or cube.front is None:
             continue
-        corner = corner_of(shape, cube)
+        corner = corners[cube.front]
         found[cube.front] = _front(shape, cube, corner, found, homes)
+        for k, other in corners.items():
+            # Two that meet in the place of a wall each end where the other begins.
+            if k != cube.front and homes[k] == homes[cube.front] and not other.floor:
+                ends_m = _behind(shape.planes[cube.front], corner, other)
+                found[cube.front] = _shortened(found[cube.front], ends_m)
         for k, other in found.items():
             if homes.get(k) != homes[cube.front] or shape.planes[k].oblique:
                 continue
@@ -44,10 +50,22 @@ def corner_of(shape: Shape, cube: Cube) -> Corner:
 
 def _at_corner(level: Exposure, corner: Corner) -> bool:
     """Whether a floor or ceiling lies where the triangle is, or before it where the triangle adds to it."""
-    place_m = np.append(corner.corners_m.mean(axis=0), 0.0)
     if corner.floor:
         place_m = _past(corner, np.append(corner.corners_m[2], 0.0))
-    return bool(replace(level, corners=()).contains(place_m[None]).any())
+        return bool(replace(level, corners=()).contains(place_m[None]).any())
+    u_m, v_m = level.u_m.tolist(), level.v_m.tolist()
+    # Several levels may meet behind one wall.
+    return any(
+        corner.area_in_m2((u_m[i], v_m[j]), (u_m[i + 1], v_m[j + 1])) > 0.0
+        for i, j in np.argwhere(level.mask).tolist()
+    )
+
+
+def _behind(plane: Plane, corner: Corner, other: Corner) -> tuple[float, float]:
+    """The stretch of an oblique wall, along it, that lies in the corner that another one cuts off."""
+    own_m = plane.to_own(np.column_stack([corner.corners_m, np.zeros(3)]))[:2, 1]
+    ends_m = [own_m[0] + share * (own_m[1] - own_m[0]) for share in other.share_of(*corner.corners_m[:2])]
+    return float(min(ends_m)), float(max(ends_m))
 
 
 def _shortened(wall: Exposure, ends_m: tuple[float, float]) -> Exposure:
