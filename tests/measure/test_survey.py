@@ -61,8 +61,16 @@ def oblique_room() -> Shape:
     return with_oblique_wall(shape, edge, angles[1], float(through), opens=True)
 
 
+def oblique_levels() -> Shape:
+    """An oblique wall across the side of a platform and below a beam: no rectangle."""
+    shape = leveled_room()
+    sides, yaw_rad = shape.rooms[0].sides, float(np.radians(235.0))
+    corner, end_m = (sides["-x"], sides["-y"]), 1.4
+    return with_oblique_wall(shape, corner, yaw_rad, end_m * float(np.cos(yaw_rad)))
+
+
 SHAPES = {kind: room_shape(kind) for kind in KINDS} | {"pillar": pillar_room(), "levels": leveled_room()}
-OBLIQUE = {"oblique": oblique_room()}
+OBLIQUE = {"oblique": oblique_room(), "oblique levels": oblique_levels()}
 
 
 @pytest.mark.parametrize("kind", {**SHAPES, **OBLIQUE})

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float
 
 from indoorfit.errors import InputError
 from indoorfit.model import SIDES, Cube, FaceKind, Polygon, RoomSolid, Shape, Side
@@ -158,6 +159,14 @@ def _walls(
     return found
 
 
+def _middle_m(solid: RoomSolid, piece: Polygon) -> Float[np.ndarray, " 3"]:
+    """The centre of a face's area: where steps meet a wall, it is not that of its corners."""
+    corners_m = solid.vertices_m[solid.triangles[piece.triangles]]
+    sides_m = corners_m[:, 1:] - corners_m[:, :1]
+    areas = np.linalg.norm(np.cross(sides_m[:, 0], sides_m[:, 1]), axis=1)
+    return np.average(corners_m.mean(axis=1), axis=0, weights=areas)
+
+
 def _room(
     shape: Shape,
     cube: Cube,
@@ -170,7 +179,7 @@ def _room(
     area, volume, perimeter = (np.zeros(len(shape.parameters)) for _ in range(3))
     length_m = 0.0
     for piece in pieces:
-        volume += swept(shape, piece.plane, piece.area_m2, piece.rings_m[0].mean(axis=0))
+        volume += swept(shape, piece.plane, piece.area_m2, _middle_m(solid, piece))
     for loop in loops:
         for k, edge in enumerate(loop.edges):
             edge_m = float(np.linalg.norm(edge.end_m - edge.start_m))
