@@ -85,3 +85,10 @@ def test_csv_leaves_unknown_numbers_empty(tmp_path):
     write_dimensions_csv(tmp_path / "d.csv", replace(result, dimensions=(lost,)))
     (row,) = csv.DictReader(io.StringIO((tmp_path / "d.csv").read_text()))
     assert (row["low_m"], row["high_m"]) == ("", "")
+
+
+def test_an_interval_that_is_not_symmetric_stands_in_brackets_behind_its_value():
+    skewed = Quantity(5.08, 0.01, Interval(0.95, 5.05, 5.09))
+    assert quantity_text(skewed).together == "5.080 (5.050 .. 5.090)"
+    even = Quantity(5.08, 0.01, Interval(0.95, 5.06, 5.10))
+    assert quantity_text(even).together == "5.080 ± 0.020"

@@ -9,8 +9,8 @@ from indoorfit.config import RunConfig
 from indoorfit.evaluate import compare
 from indoorfit.io import read_model_json, write_model_json
 from indoorfit.model import FitResult
-from indoorfit.pipeline import fit_scan, truth_result
-from indoorfit.report import plan_svg
+from indoorfit.pipeline import explain_scan, fit_scan, truth_result
+from indoorfit.report import explain_picture, plan_svg
 from indoorfit.simulate import (
     Furniture,
     ObliqueWall,
@@ -93,3 +93,14 @@ def test_the_plan_shows_the_oblique_wall_and_its_length():
     (length,) = (d for d in result.dimensions if d.wall == face.id)
     drawing = plan_svg(result)
     assert f"{face.id}  {length.id}  {length.quantity.value:.2f}"[:-1] in drawing
+
+
+def test_the_explanation_ends_the_room_at_the_oblique_wall_and_names_it():
+    scan = scanned("corner").scan
+    explained = explain_scan(scan)
+    items = explain_picture(explained.explanation, explained.frame, scan.points_m).items
+    assert sum(getattr(item, "text", "") == "o1" for item in items) == 1
+    # The boldest strokes are the outline: all but those of the legend close it.
+    bold = [item for item in items if getattr(item, "width", 0.0) == 4.5][1:]
+    ends = np.round(np.concatenate([item.points for item in bold]), 3)
+    assert all(count % 2 == 0 for count in np.unique(ends, axis=0, return_counts=True)[1])

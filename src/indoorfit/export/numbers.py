@@ -24,6 +24,11 @@ class QuantityText:
         """`± 0.0012`, or `5.071 .. 5.084` for an interval that is not symmetric."""
         return f"± {self.half_width}" if self.half_width else f"{self.low} .. {self.high}"
 
+    @property
+    def together(self) -> str:
+        """`5.0781 ± 0.0012`, or `5.078 (5.071 .. 5.084)`."""
+        return f"{self.value} {self.spread if self.half_width else f'({self.spread})'}"
+
 
 def half_width(quantity: Quantity) -> float:
     """The larger of the distances from the value to the two ends of its interval."""

@@ -94,10 +94,9 @@ def _span(group: list[Dimension], outline: Outline) -> Span | None:
         return None
     low, high = sorted((pair[0], pair[1]), key=lambda wall: wall.at)
     own = [outline.wall(d.wall) for d in group if d.wall is not None]
-    text = quantity_text(first.quantity)
     return Span(
         dimensions=tuple(d.id for d in group),
-        text=f"{text.value} {text.spread if text.half_width else f'({text.spread})'}",
+        text=quantity_text(first.quantity).together,
         axis=low.axis,
         low=low.at,
         high=high.at,
@@ -119,10 +118,9 @@ def _to_corner(dimension: Dimension, result: FitResult, outline: Outline) -> Spa
         WallLine(wall.id, wall.room, axis, float(at), wall.at, wall.at, 1, wall.inferred)
         for at in np.sort(places)
     )
-    text = quantity_text(dimension.quantity)
     return Span(
         dimensions=(dimension.id,),
-        text=f"{text.value} {text.spread if text.half_width else f'({text.spread})'}",
+        text=quantity_text(dimension.quantity).together,
         axis=axis,
         low=low.at,
         high=high.at,

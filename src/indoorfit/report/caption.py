@@ -66,7 +66,7 @@ def caption(
 def _room_lines(result: FitResult, room: Room) -> list[str]:
     """Area, volume, perimeter and height; of a room with several levels their heights in a second line."""
     parts = [
-        f"{name} {(text := quantity_text(quantity, 2, 3)).value} {text.spread} {unit}"
+        f"{name} {quantity_text(quantity, 2, 3).together} {unit}"
         for name, quantity, unit in (
             ("floor", room.floor_area, "m²"),
             ("volume", room.volume, "m³"),
@@ -74,7 +74,7 @@ def _room_lines(result: FitResult, room: Room) -> list[str]:
         )
     ]
     upright = [d for d in result.dimensions if d.kind in ("height", "step") and d.room == room.id]
-    heights = [f"{d.kind} ({d.id}) {(t := quantity_text(d.quantity)).value} {t.spread} m" for d in upright]
+    heights = [f"{d.kind} ({d.id}) {quantity_text(d.quantity).together} m" for d in upright]
     lines = [[*parts, *heights]] if len(heights) == 1 else [parts, heights]
     return [f"{room.id}:  " + "  ·  ".join(line) for line in lines]
 

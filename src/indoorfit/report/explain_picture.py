@@ -49,10 +49,7 @@ def explain_picture(found: Explanation, frame: Frame, points_m: Float[np.ndarray
     drawing += [_line(candidate, low, high, page) for candidate in found.candidates]
     drawing += [Stroke(page(ends), _PASSED, 3.0, (4.0, 4.0)) for ends in _passed(found)]
     drawing += [Stroke(page(ends), _OUTLINE, 4.5) for ends in _outline(found)]
-    for trial in found.oblique:
-        drawing.append(Stroke(page(trial.line.ends_m), _SEEN, 1.6 if trial.accepted else 0.9))
-        if trial.accepted and trial.cut is not None:
-            drawing.append(Stroke(page(trial.cut.corner.corners_m[:2]), _OUTLINE, 4.5))
+    drawing += _oblique(found, page)
     drawing += [*ids_left, *ids_top]
     width = max(corner[0] + size[0] + _MARGIN, 720.0)
     passed = found.evidence.free is not None
@@ -103,18 +100,36 @@ def _line(candidate: CandidateReport, low: np.ndarray, high: np.ndarray, page) -
     return Stroke(page(ends), colour, width, dash)
 
 
+def _oblique(found: Explanation, page) -> list[Item]:
+    """The oblique lines as far as they were seen, where rooms end on them, and their identifiers."""
+    items: list[Item] = []
+    for k, trial in enumerate(found.oblique, start=1):
+        items.append(Stroke(page(trial.line.ends_m), _SEEN, 1.6 if trial.accepted else 0.9))
+        if trial.accepted and trial.cut is not None:
+            items.append(Stroke(page(trial.cut.corner.corners_m[:2]), _OUTLINE, 4.5))
+        x, y = page(trial.line.ends_m).mean(axis=0).tolist()
+        items.append(Label(f"o{k}", (x, y - _ROW), 11.0, _INK if trial.accepted else _QUIET, halo=_PAPER))
+    return items
+
+
 def _outline(found: Explanation) -> list[np.ndarray]:
-    """The borders on which rooms end, as pairs of points."""
+    """The borders on which rooms end, as pairs of points; not behind the oblique walls."""
+    corners = [trial.cut.corner for trial in found.oblique if trial.accepted and trial.cut is not None]
     padded = np.pad(found.room, 1)
-    x, y = found.grid
-    pairs = [
-        np.array([[x[i], y[j]], [x[i], y[j + 1]]])
-        for i, j in np.argwhere(padded[1:, 1:-1] != padded[:-1, 1:-1])
-    ]
-    pairs += [
-        np.array([[x[i], y[j]], [x[i + 1], y[j]]])
-        for i, j in np.argwhere(padded[1:-1, 1:] != padded[1:-1, :-1])
-    ]
+    across_y = np.argwhere(padded[1:-1, 1:] != padded[1:-1, :-1])[:, ::-1]
+    pairs: list[np.ndarray] = []
+    for axis, borders in enumerate((np.argwhere(padded[1:, 1:-1] != padded[:-1, 1:-1]), across_y)):
+        for i, j in borders.tolist():
+            at_m, stretch = float(found.grid[axis][i]), found.grid[1 - axis][j : j + 2]
+            stretches = [(float(stretch[0]), float(stretch[1]))]
+            for corner in corners:
+                start_m, end_m = corner.chord_m(axis, at_m)
+                if start_m == end_m:
+                    continue
+                cut = [((low, min(high, start_m)), (max(low, end_m), high)) for low, high in stretches]
+                stretches = [left for pair in cut for left in pair if left[0] < left[1]]
+            ends = [np.array([[at_m, low], [at_m, high]]) for low, high in stretches]
+            pairs += [end if axis == 0 else end[:, ::-1] for end in ends]
     return pairs
 
 

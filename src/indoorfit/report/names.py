@@ -128,7 +128,7 @@ def name_oblique(result: FitResult, outline: Outline, board: Board) -> Iterator[
         for dimension in result.dimensions:
             if dimension.wall == wall.id:
                 text = quantity_text(dimension.quantity)
-                texts.append(f"{dimension.id}  {text.value} {text.spread}")
+                texts.append(f"{dimension.id}  {text.together}")
         text = "  ".join(texts)
         width, middle = text_width(text, _WALL_SIZE), wall.points().mean(axis=0)
         half = 0.5 * float(np.abs(wall.outward) @ [width, _WALL_SIZE])

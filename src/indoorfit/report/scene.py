@@ -75,7 +75,7 @@ def _dimension(result: FitResult, dimension: Dimension, several: bool) -> dict[s
     return {
         "id": dimension.id,
         "what": what_is_measured(dimension, several),
-        "text": f"{text.value} {text.spread}",
+        "text": text.together,
         "faces": list(dimension.faces),
         "from": ends[0].tolist(),
         "to": ends[1].tolist(),

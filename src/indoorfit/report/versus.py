@@ -89,7 +89,7 @@ def _text(dimension: Dimension | None) -> str:
     if dimension is None:
         return "-"
     text = quantity_text(dimension.quantity)
-    return f"{text.value} {text.spread}" + (" inferred" if dimension.status == "inferred" else "")
+    return text.together + (" inferred" if dimension.status == "inferred" else "")
 
 
 def length_pairs(
@@ -182,7 +182,7 @@ def _facts(joint: FitResult | None, greedy: FitResult | None) -> list[tuple[str,
     def rooms(what: str, unit: str):
         def say(result: FitResult) -> str:
             texts = [quantity_text(getattr(room, what), 2, 3) for room in result.rooms]
-            return "; ".join(f"{text.value} {text.spread} {unit}" for text in texts)
+            return "; ".join(f"{text.together} {unit}" for text in texts)
 
         return say
 
