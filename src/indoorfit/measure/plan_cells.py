@@ -11,9 +11,9 @@ from indoorfit.model import Polygon, Shape
 
 NOT_ENCLOSED = (
     "measure: the walls that were fitted do not enclose a room: two of them have passed each other, as "
-    "happens where a step is narrower than the scan is good, or where walls are oblique or "
-    "curved, which is not supported. Fix: scan the step more closely, or raise "
-    "discover.candidates.min_area_m2 so that it is left out; crop off what has no right angles."
+    "happens where a step is narrower than the scan is good, where walls are curved, or where oblique "
+    "ones do more than cut a corner off. Fix: scan the step more closely, or raise "
+    "discover.candidates.min_area_m2 so that it is left out; crop off what is curved or slanting."
 )
 
 
