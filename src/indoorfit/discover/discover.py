@@ -74,5 +74,7 @@ def discover(
     shape, notes = build_shape(
         plan.rooms, plan.grid, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels
     )
-    modelled = np.array([k for cut in plan.cuts for k in cut.line.segments], int)
+    # A corner that belongs to no room in the end is not cut off.
+    made = {shape.planes[k].offset_m for k in shape.oblique}
+    modelled = np.array([k for cut in plan.cuts if cut.offset_m in made for k in cut.line.segments], int)
     return shape, (*world_notes(segments, classes, config.world, modelled), *plan.notes, *notes)
