@@ -33,6 +33,15 @@ class Lines:
     surfel_line: Int[np.ndarray, " n"]
     """The line of every wall surfel of this axis, -1 for none."""
 
+    def with_unseen(self, offsets_m: Float[np.ndarray, " more"]) -> "Lines":
+        """These lines and others at which no wall was seen."""
+        everything = np.concatenate([self.offsets_m, offsets_m])
+        order = np.argsort(everything, kind="stable")
+        # The last rank serves surfels without a line.
+        rank = np.append(np.argsort(order, kind="stable"), -1)
+        seen = np.concatenate([self.seen, np.zeros(len(offsets_m), bool)])
+        return Lines(everything[order], seen[order], rank[self.surfel_line])
+
 
 def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> CandidateConfig:
     """The settings for a scan in which one surface is seen in several places.
@@ -92,11 +101,8 @@ def _with_ends(
     """Seen walls, and ends that no seen wall explains."""
     offsets_m, surfel_line = seen
     fresh_m = [end for end in ends_m if all(abs(end - offset) > reach_m for offset in offsets_m)]
-    everything = np.concatenate([offsets_m, distinct(fresh_m, reach_m)])
-    order = np.argsort(everything, kind="stable")
-    # The last rank serves surfels without a line.
-    rank = np.append(np.argsort(order, kind="stable"), -1)
-    return Lines(everything[order], (np.arange(len(everything)) < len(offsets_m))[order], rank[surfel_line])
+    walls = Lines(offsets_m, np.ones(len(offsets_m), bool), surfel_line)
+    return walls.with_unseen(np.array(distinct(fresh_m, reach_m)))
 
 
 def closed_where_seen_ends(lines: Lines, surfaces: Surfaces, axis: int) -> Lines:
@@ -115,10 +121,7 @@ def closed_where_seen_ends(lines: Lines, surfaces: Surfaces, axis: int) -> Lines
     (only_m,) = lines.offsets_m
     before = only_m - low_m > high_m - only_m
     end_m = min(low_m, only_m - surfaces.pixel_m) if before else max(high_m, only_m + surfaces.pixel_m)
-    offsets_m = np.array([end_m, only_m] if before else [only_m, end_m])
-    seen = np.array([False, *lines.seen] if before else [*lines.seen, False])
-    moved = lines.surfel_line + (1 if before else 0)
-    return Lines(offsets_m, seen, np.where(lines.surfel_line >= 0, moved, -1))
+    return lines.with_unseen(np.array([end_m]))
 
 
 def _cluster(

@@ -71,7 +71,7 @@ def discover(
     plan = find_plan(surfaces, oblique, seen_m2, *settings, overrides, rays)
     price = price_of_one(seen_m2, config.labels)
     shape, notes = build_shape(
-        plan.rooms, plan.grid, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels
+        plan.outline, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels
     )
     # A corner that belongs to no room in the end is not cut off.
     made = {shape.planes[k].offset_m for k in shape.oblique}

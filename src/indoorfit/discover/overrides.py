@@ -86,12 +86,7 @@ def _with_line(lines: Lines, position_m: float, merge_m: float) -> Lines:
         offsets_m = lines.offsets_m.copy()
         offsets_m[k] = position_m
         return replace(lines, offsets_m=offsets_m)
-    at = int(np.searchsorted(lines.offsets_m, position_m))
-    return Lines(
-        np.insert(lines.offsets_m, at, position_m),
-        np.insert(lines.seen, at, False),
-        lines.surfel_line + (lines.surfel_line >= at),
-    )
+    return lines.with_unseen(np.array([position_m]))
 
 
 def borders_of(lines: tuple[Lines, Lines], walls: Sequence[WallStretch]) -> Borders:

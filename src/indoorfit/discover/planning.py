@@ -14,6 +14,7 @@ from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts, wa
 from .evidence import Evidence, gather_evidence
 from .free_shares import free_shares
 from .free_space import trace
+from .guesses import Outline, guess_places
 from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
 from .minimise import minimise
@@ -51,6 +52,8 @@ class Plan:
     """What became of the oblique walls."""
     rooms: list[Bool[np.ndarray, "nx ny"]]
     """What became of the inside: the cells of each room, by decreasing area."""
+    outline: Outline
+    """The same with the walls that nobody saw where they are likeliest."""
     notes: tuple[Note, ...]
 
     @property
@@ -120,7 +123,20 @@ def find_plan(
     inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
     notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
-    return Plan(lines, candidates, evidence, forced, forbidden, price, inside, trials, found_rooms, notes)
+    settled = _settled(forced, accepted_cuts(trials))
+    outline = guess_places(found_rooms, lines, evidence, settled, surfaces, free, candidates.merge_m, labels)
+    return Plan(
+        lines, candidates, evidence, forced, forbidden, price, inside, trials, found_rooms, outline, notes
+    )
+
+
+def _settled(forced: Borders, cuts: Sequence[Cut]) -> Borders:
+    """Borders whose place is no guess, seen or not: those of forced walls and of the corners cut off."""
+    settled = tuple(borders.copy() for borders in forced)
+    for cut in cuts:
+        for axis in (0, 1):
+            np.moveaxis(settled[axis], axis, 0)[cut.at[axis]] = True
+    return settled[0], settled[1]
 
 
 def _two_each(lines: tuple[Lines, Lines], surfaces: Surfaces) -> tuple[tuple[Lines, Lines], tuple[Note, ...]]:

@@ -21,6 +21,7 @@ from indoorfit.model import Note, Plane, Shape
 from .candidates import CandidateConfig
 from .cuts import Cut
 from .evidence import Evidence
+from .guesses import Outline
 from .labelling import LabelConfig
 from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
 from .levels import RoomLevels, find_levels, level_cells
@@ -141,8 +142,7 @@ def _walled(
 
 
 def build_shape(
-    rooms: list[Bool[np.ndarray, "nx ny"]],
-    grid: Grid,
+    outline: Outline,
     cuts: Sequence[Cut],
     surfaces: Surfaces,
     candidates: CandidateConfig,
@@ -153,8 +153,7 @@ def build_shape(
     """The grammar of all rooms, and remarks on what it leaves out.
 
     Args:
-        rooms: cells of each room.
-        grid: lines of the cells.
+        outline: cells of each room.
         cuts: corners that oblique walls cut off; the cells know nothing of them.
         surfaces: sorted evidence.
         candidates: where the edges of levels may be, as `widened` for this scan.
@@ -162,6 +161,7 @@ def build_shape(
         price: of one parameter, nats.
         config: what counts as a level.
     """
+    rooms, grid = outline.rooms, outline.grid
     found: list[tuple[RoomLevels, RoomLevels]] = []
     for mask in rooms:
         tasks = (LevelTask(on, mask, grid, surfaces, candidates, labels, price) for on in KINDS)
@@ -170,7 +170,7 @@ def build_shape(
         found.append((floor, ceiling))
     shape = _cut_off(_stacked(rooms, grid, found), cuts, candidates.merge_m)
     planes = [
-        _place(plane, exposure, surfaces)
+        _place(plane, exposure, surfaces, outline)
         for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
     ]
     notes = [
@@ -214,10 +214,12 @@ def _cut_off(shape: Shape, cuts: Sequence[Cut], least_m: float) -> Shape:
     return shape
 
 
-def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces) -> Plane:
+def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces, outline: Outline) -> Plane:
     """Move a plane to the median of the surfels on it; without any it is inferred and stays."""
     if plane.oblique:
         return plane
+    if (doubt_m := outline.doubt_m(plane.axis, plane.offset_m)) > 0.0:
+        return replace(plane, status="inferred", doubt_m=doubt_m)
     if plane.axis == 2:
         level_m = surfaces.floor_m if plane.outward < 0 else surfaces.ceiling_m
         reach_m = 0.10

@@ -65,6 +65,7 @@ def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
     design[np.arange(len(silent)), 3 + silent] = -1.0
     for row, k in enumerate(turns.tolist(), start=len(silent)):
         design[row, 3 + shape.yaw_parameter(k)] = inferred_std_m / _GUESSED_YAW_RAD
+    std_m = np.hypot(inferred_std_m, [shape.planes[k].doubt_m for k in silent] + [0.0] * len(turns))
     silent = np.concatenate([silent, turns])
     normals = np.array([plane.normal for plane in shape.planes])
     return Cells(
@@ -72,7 +73,7 @@ def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
         design=np.concatenate([cells.design, design]),
         centroids_m=np.concatenate([cells.centroids_m, np.zeros((n, 3))]),
         residuals_m=np.concatenate([cells.residuals_m, np.zeros(n)]),
-        variances_m2=np.concatenate([cells.variances_m2, np.full(n, inferred_std_m**2)]),
+        variances_m2=np.concatenate([cells.variances_m2, std_m**2]),
         counts=np.concatenate([cells.counts, np.ones(n, int)]),
         normals=None if cells.normals is None else np.concatenate([cells.normals, normals[silent]]),
     )

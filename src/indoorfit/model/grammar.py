@@ -63,6 +63,9 @@ class Plane:
     yaw_rad: float = 0.0
     """How far the plane's own axes are turned about z; other than 0 only for oblique walls, which are
     perpendicular to their own x axis and have the room before them (`axis` 0, `outward` +1)."""
+    doubt_m: float = 0.0
+    """Standard uncertainty of the place of an inferred plane, as far as it is a guess: 0 for those that
+    stand where floor or ceiling end."""
 
     @property
     def oblique(self) -> bool:
