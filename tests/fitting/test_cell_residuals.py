@@ -52,3 +52,6 @@ def test_planes_without_points_get_one_cell_of_the_given_width(fitted):
     assert extended.variances_m2[-1] == pytest.approx(0.07**2)
     np.testing.assert_array_equal(extended.design[-1], -np.eye(cells.n_params)[3 + 4])
     assert len(with_inferred(cells, shape, 0.07).plane) == len(cells.plane)
+    planes = [replace(plane, doubt_m=0.24) for plane in shape.planes]
+    guessed = with_inferred(build_cells(fewer, shape), replace(shape, planes=tuple(planes)), 0.07)
+    assert guessed.variances_m2[-1] == pytest.approx(0.25**2), "it is off by both"

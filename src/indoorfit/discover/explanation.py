@@ -189,7 +189,20 @@ def _report(
         nats = _difference(plan, energy, axis, k, None if accepted else strongest, max_open)
         report = replace(report, difference_nats=nats)
     rooms = sorted({int(r) for r in _rooms_at(plan, axis, k, ends)} - {0})
-    return replace(report, reason=_reason(report, rooms, plan.inside, axis, k, strongest))
+    reason = _reason(report, rooms, plan.inside, axis, k, strongest)
+    return replace(report, reason=" ".join([reason, *_moves(plan, axis, k)]))
+
+
+def _moves(plan: Plan, axis: int, k: int) -> list[str]:
+    """What became of the walls on line `k` that nobody saw, in words."""
+    along_m = plan.grid[1 - axis]
+    return [
+        f"Nobody saw it from {along_m[wall.cells.start]:.2f} to {along_m[wall.cells.stop]:.2f} m: there it "
+        f"may stand elsewhere in a shadow, and is put at {place.offset_m:.2f} m "
+        f"(standard uncertainty {place.std_m:.2f} m)."
+        for wall, place in plan.outline.moved
+        if wall.axis == axis and wall.line == k
+    ]
 
 
 def _passed_m(plan: Plan, axis: int, k: int) -> float | None:

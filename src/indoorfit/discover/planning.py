@@ -14,11 +14,12 @@ from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts, wa
 from .evidence import Evidence, gather_evidence
 from .free_shares import free_shares
 from .free_space import trace
-from .guesses import Outline, guess_places
+from .guesses import guess_places
 from .labelling import Borders, LabelConfig, label_cells, plan_energy, price_of_one, price_of_wall
 from .level_task import Grid
 from .minimise import minimise
 from .oblique import ObliqueLine
+from .outline import Outline
 from .overrides import (
     PlanOverrides,
     borders_of,

@@ -21,10 +21,10 @@ from indoorfit.model import Note, Plane, Shape
 from .candidates import CandidateConfig
 from .cuts import Cut
 from .evidence import Evidence
-from .guesses import Outline
 from .labelling import LabelConfig
 from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
 from .levels import RoomLevels, find_levels, level_cells
+from .outline import Outline
 from .passages import Passage, close_passages, open_borders, pieces_of
 from .surfaces import Surfaces
 

@@ -2,20 +2,30 @@
 
 from indoorfit.model import Note, Shape
 
-from .named import Survey
+from .named import NamedFace, Survey
 
 
 def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:
     """One note naming the faces that nobody saw."""
-    inferred = [face.id for face in found.faces if shape.planes[face.polygon.plane].status == "inferred"]
+    inferred = [face for face in found.faces if shape.planes[face.polygon.plane].status == "inferred"]
     if not inferred:
         return ()
-    names = ", ".join(inferred)
+    names = ", ".join(face.id for face in inferred)
+    guessed = [face for face in inferred if shape.planes[face.polygon.plane].doubt_m > 0.0]
     return (
         Note(
             "FACE_INFERRED",
-            f"Not observed: {names}. Each is placed where the surfaces around it end, and dimensions that "
-            "rest on it are marked inferred; scan it, or measure it by hand, to be sure.",
-            tuple(inferred),
+            f"Not observed: {names}. Each is placed where the surfaces around it end"
+            f"{_guesses(shape, guessed)}, and dimensions that rest on it are marked inferred; scan it, or "
+            "measure it by hand, to be sure.",
+            tuple(face.id for face in inferred),
         ),
     )
+
+
+def _guesses(shape: Shape, guessed: list[NamedFace]) -> str:
+    """Of the faces that stand in a shadow, how far they may be from where they are put."""
+    if not guessed:
+        return ""
+    told = [f"{face.id} by {2.0 * shape.planes[face.polygon.plane].doubt_m:.2f} m" for face in guessed]
+    return f", or in the middle of the shadow that hides it (it may be off: {', '.join(told)})"
