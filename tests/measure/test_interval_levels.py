@@ -1,5 +1,7 @@
 """The same result at other levels, and what is said of its accuracy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,25 @@ def test_half_the_interval_is_the_coverage_factor_times_the_standard_uncertainty
         assert quantity.coverage_factor * quantity.std == pytest.approx(half, rel=1e-12)  # rounding
         # Between a Gaussian with half its scale known wrongly and Student's t with 1 degree of freedom.
         assert 1.5 < quantity.coverage_factor < 12.7
+
+
+def test_no_interval_reaches_below_nothing(result):
+    far = 1.0 + max(d.quantity.value for d in result.dimensions)
+    n = len(ends(result)) + len(result.shape.planes)
+    doubtful = replace(result, prediction=Wide(np.zeros(n), far))
+    lows = ends(at_level(doubtful, 0.95))[:, 1]
+    np.testing.assert_array_equal(lows, np.zeros_like(lows))
+
+
+class Wide:
+    """Intervals of one width about each value."""
+
+    def __init__(self, values, half):
+        self.values, self.half = values, half
+
+    def at(self, level):
+        none = 0 * self.values
+        return Spread(level, self.values - self.half, self.values + self.half, none, none, none, none, none)
 
 
 class Normal:

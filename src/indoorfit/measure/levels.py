@@ -64,20 +64,24 @@ def quantities(
 ) -> tuple[Quantity, ...]:
     """Every measurand with its interval at one level, its budget, and the standard levels."""
     wanted = prediction.at(level)
-    standard = [_intervals(prediction.at(each)) for each in STANDARD_LEVELS]
+    standard = [_intervals(values, prediction.at(each)) for each in STANDARD_LEVELS]
     budgets = zip(wanted.data_std, wanted.scale_std, wanted.definition_std, wanted.effective_dof, strict=True)
     return tuple(
         Quantity(float(value), float(std), interval, Budget(*map(float, budget)), tuple(others))
         for value, std, interval, budget, *others in zip(
-            values, wanted.std, _intervals(wanted), budgets, *standard, strict=True
+            values, wanted.std, _intervals(values, wanted), budgets, *standard, strict=True
         )
     )
 
 
-def _intervals(spread: Spread) -> tuple[Interval, ...]:
+def _intervals(values: Float[np.ndarray, " measurands"], spread: Spread) -> tuple[Interval, ...]:
+    """The spread's intervals; those of lengths, areas and volumes end at 0, below which nothing is built.
+
+    Plane offsets are given as 0, and may be anything.
+    """
+    lows = np.where(values > 0.0, np.maximum(spread.low, 0.0), spread.low)
     return tuple(
-        Interval(spread.level, float(low), float(high))
-        for low, high in zip(spread.low, spread.high, strict=True)
+        Interval(spread.level, float(low), float(high)) for low, high in zip(lows, spread.high, strict=True)
     )
 
 
@@ -101,7 +105,9 @@ def at_level(result: FitResult, level: float) -> FitResult:
     else:
         spread = result.prediction.at(level)
         # After these come the plane offsets, whose standard uncertainty has no level.
-        found = _intervals(spread)[: len(old)]
+        values = np.zeros_like(spread.low)
+        values[: len(old)] = [quantity.value for quantity in old]
+        found = _intervals(values, spread)[: len(old)]
         new = [replace(quantity, interval=interval) for quantity, interval in zip(old, found, strict=True)]
     rooms = [new[k : k + 3] for k in range(n_dimensions, len(new), 3)]
     return replace(
