@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from benchmarks import calibration
 from benchmarks.calibration import main, run_room, summary, table
+from benchmarks.paired import paired, paired_table
 from benchmarks.suites import SUITES
 
 from indoorfit.model import STANDARD_LEVELS, Scan
@@ -47,6 +48,19 @@ def test_points_taken_as_independent_are_the_narrowest_and_worst(record):
     assert rows["iid"]["coverage"][0.95]["share"] < rows["joint"]["coverage"][0.95]["share"]
     assert rows["iid"]["score_mm"] > rows["joint"]["score_mm"]
     assert "| drift5mm | no | iid |" in table(list(rows.values()))
+
+
+def test_joint_and_greedy_are_compared_on_lengths_that_both_measured(record):
+    (row,) = paired([record], seed=1)
+    both = [{e["length"] for e in record["lengths"] if e["method"] == name} for name in ("joint", "greedy")]
+    assert row["lengths"] == len(both[0] & both[1]) > 0
+    # Of one room every draw is the same.
+    assert row["ratio"] == [pytest.approx(row["rmse_mm"][0] / row["rmse_mm"][1], rel=0.01)] * 3
+    swapped = {"joint": "greedy", "greedy": "joint"}
+    turned = [{**e, "method": swapped.get(e["method"], e["method"])} for e in record["lengths"]]
+    (other,) = paired([{**record, "lengths": turned}], seed=1)
+    assert other["rmse_mm"] == row["rmse_mm"][::-1]
+    assert "| drift5mm | no | 1 |" in paired_table([row])
 
 
 def test_a_study_goes_on_where_it_stopped(record, tmp_path, monkeypatch):
