@@ -7,12 +7,12 @@
 
 Every room is one line of rooms.jsonl in the folder; rooms that are there are not run again, so an interrupted
 study goes on where it stopped. Rooms are run in turn over all regimes, so that it is about as far with each.
-At the end the folder has results.json and table.md: coverage at 50, 80, 90, 95 and 99 %, mean interval score
-and width at 95 %, of the joint fit and of what it must beat: the greedy fit, points taken as independent (the
-negative control: at 5 mm drift it must hold less than 25 %), CR2 and the bootstrap on patches; then the errors
-of joint and greedy on the lengths that both measured. --sbc adds rank histograms of the sampler on rooms from
-the noise model's own prior. calibration.json beside this file is the results.json of the study that
-docs/intervals.md tells of.
+At the end the folder has results.json and table.md: coverage at 50, 80, 90, 95 and 99 %, mean interval
+score and width at 95 %, of the joint fit and of what it must beat: the greedy fit, points taken as
+independent (the negative control: at 5 mm drift it must hold less than 25 %), CR2 and the bootstrap on
+patches; then the errors of joint and greedy on the lengths that both measured. --sbc adds rank histograms
+of the sampler on rooms from the noise model's own prior. calibration.json beside this file is the
+results.json of the study that docs/intervals.md tells of.
 """
 
 import argparse
