@@ -81,8 +81,14 @@ def _said(
     size_mm, std_mm = 1e3 * abs(effects_m[k]), 1e3 * stds_m[k]
     if code == "NOT_PARALLEL":
         angle_deg = np.degrees(np.arctan(1e-3 * size_mm / halves_m[k]))
-        return f"{name} by {angle_deg:.2g}° ({2 * size_mm:.0f} ± {2 * std_mm:.0f} mm from end to end)"
-    return f"{name} by {size_mm:.0f} ± {std_mm:.0f} mm"
+        return f"{name} by {angle_deg:.2g}° ({_mm(2.0 * size_mm, 2.0 * std_mm)} from end to end)"
+    return f"{name} by {_mm(size_mm, std_mm)}"
+
+
+def _mm(size_mm: float, std_mm: float) -> str:
+    """Both with the decimals that the uncertainty has."""
+    decimals = max(0, int(np.ceil(-np.log10(max(std_mm, 1e-3)))))
+    return f"{size_mm:.{decimals}f} ± {std_mm:.{decimals}f} mm"
 
 
 def _message(code: str, parts: list[str]) -> str:
