@@ -70,7 +70,8 @@ def _ranks(cells: Cells, config: WallFieldConfig, rng: np.random.Generator) -> F
         residuals_m[block.rows] = np.linalg.cholesky(covariance) @ rng.standard_normal(len(block.rows))
     drawn = Cells(cells.plane, cells.design, cells.centroids_m, residuals_m, cells.variances_m2, cells.counts)
     fit = fit_wall_field(drawn, config)
-    sampler = SamplerConfig(walkers=24, min_effective=600.0, max_rhat=1.05)
+    # Rooms from the prior have scales that the data hardly tell, and longer tails than real ones.
+    sampler = SamplerConfig(walkers=24, max_steps=8000, min_effective=600.0, max_rhat=1.05)
     start: list[Float[np.ndarray, " 4"]] = []
     while len(start) < sampler.walkers:
         points, _ = draw_student_t(fit.mode, sampler.walkers, np.inf, rng)
