@@ -99,3 +99,16 @@ def test_moving_a_wall_keeps_the_corners_and_adds_its_strip(plan, data):
     assert found.moved == ((wall, place),)
     assert area_m2[1] - area_m2[0] == pytest.approx(strip_m2, abs=1e-9)
     assert found.doubt_m(wall.axis, place.offset_m) == 0.1
+
+
+def test_two_rooms_whose_facing_walls_nobody_saw_do_not_run_into_each_other():
+    grid = (np.array([0.0, 3.0, 4.0, 7.0]), np.array([0.0, 4.0]))
+    rooms = [np.array([[True], [False], [False]]), np.array([[False], [False], [True]])]
+    facing = [
+        next(wall for wall in walls_of(room, cells) if wall.axis == 0 and wall.outward == outward)
+        for room, (cells, outward) in enumerate(zip(rooms, (1, -1), strict=True))
+    ]
+    moves = list(zip(facing, (Place(3.6, 0.3), Place(3.4, 0.3)), strict=True))
+    found = with_moved(rooms, grid, moves)
+    assert not np.any(found.rooms[0] & found.rooms[1])
+    assert found.moved == (moves[0],)

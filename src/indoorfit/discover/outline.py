@@ -86,7 +86,8 @@ def with_moved(
 ) -> Outline:
     """Move walls, one after the other: the ends of each follow those that meet it.
 
-    A move that would make or lose a corner, because another wall was moved before, is left out.
+    A move that would make or lose a corner, or run into another room, because another wall was moved before,
+    is left out.
 
     Args:
         rooms: cells of each room.
@@ -101,7 +102,8 @@ def with_moved(
         now = _followed(wall.on(finer, grid), walls_of(wall.room, mask))
         to = int(np.searchsorted(finer[wall.axis], place.offset_m))
         now.beside(mask)[min(now.line, to) : max(now.line, to)] = (to - now.line) * wall.outward > 0
-        if n_corners(mask) == n_corners(masks[wall.room]):
+        free = not any(np.any(mask & other) for room, other in enumerate(masks) if room != wall.room)
+        if free and n_corners(mask) == n_corners(masks[wall.room]):
             masks[wall.room] = mask
             moved.append((wall, place))
     return Outline(finer, masks, tuple(moved))
