@@ -52,7 +52,7 @@ class JointFit:
     rounds: int
     converged: bool
     restless: tuple[int, ...]
-    """Planes that still moved in the last rounds, the farthest first."""
+    """Planes that still moved in the last rounds, the farthest first; where the fit converged, to and fro."""
     swing_m: Float[np.ndarray, " planes"]
     """Half the distance of the places that a restless plane goes back and forth between, in whose middle it
     is then put; its last movement where it does not come back; 0 at rest."""
@@ -72,9 +72,9 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
         pixel_m: resolution at which coverage is counted.
 
     Returns:
-        the minimum; `converged` is False where the solver or the association did not come to rest, and a
-        plane that goes back and forth is then in the middle of its places. A plane that passed another one is
-        put back and not fitted (`unpassed`).
+        the minimum; a plane that goes back and forth between the same places is in the middle of them.
+        `converged` is False where the solver or the association came neither to rest nor to such a cycle. A
+        plane that passed another one is put back and not fitted (`unpassed`).
     """
     fit = _alternate(scan, frame, start, config, pixel_m)
     for _ in range(_MAX_REPAIRS):
@@ -100,12 +100,13 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
     for step in ([stride] if stride > 1 else []) + [1]:
         still = False
         trail = trail[-1:] if rounds < config.max_rounds else trail
-        while not still and rounds < config.max_rounds:
+        # What came back twice goes on like that.
+        while not still and _period(trail, limit_m, 2) is None and rounds < config.max_rounds:
             rounds += 1
             state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
             trail.append(state.shape.offsets_m)
             still = moved_m < limit_m
-    middle_m, swing_m = _swing(np.array(trail), limit_m)
+    middle_m, swing_m = _swing(trail, limit_m)
     assert state.data is not None, "at least one round was made"
     data = _moved_along(state.data, state.shape, middle_m)
     shape = state.shape.with_offsets(middle_m)
@@ -117,14 +118,27 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
         cost=state.cost,
         steps=steps,
         rounds=rounds,
-        converged=still and state.solved,
+        converged=(still or _period(trail, limit_m, 1) is not None) and state.solved,
         restless=tuple(int(k) for k in np.argsort(-swing_m) if swing_m[k] > 0.0),
         swing_m=swing_m,
     )
 
 
+def _period(trail_m: list[Float[np.ndarray, " planes"]], limit_m: float, times: int) -> int | None:
+    """After how many rounds all planes are again where they are now, so many times; None if they are not.
+
+    Planes that stand still are not asked about: a period has two rounds or more.
+    """
+    last_m = trail_m[-1]
+    for period in range(2, (len(trail_m) - 1) // times + 1):
+        before = [trail_m[-1 - k * period] for k in range(1, times + 1)]
+        if all(np.all(np.abs(last_m - offsets_m) < limit_m) for offsets_m in before):
+            return period
+    return None
+
+
 def _swing(
-    trail_m: Float[np.ndarray, "rounds planes"], limit_m: float
+    trail_m: list[Float[np.ndarray, " planes"]], limit_m: float
 ) -> tuple[Float[np.ndarray, " planes"], Float[np.ndarray, " planes"]]:
     """Where planes are after the last round, and how far that is in doubt.
 
@@ -139,14 +153,14 @@ def _swing(
     last_m = trail_m[-1]
     restless = np.abs(last_m - trail_m[-2]) >= limit_m if len(trail_m) > 1 else np.zeros(len(last_m), bool)
     middle_m, swing_m = last_m.copy(), np.zeros(len(last_m))
-    for period in range(2, len(trail_m)):
-        if np.all(np.abs(last_m - trail_m[-1 - period]) < limit_m):
-            cycle_m = trail_m[-period:]
-            low_m, high_m = cycle_m.min(axis=0), cycle_m.max(axis=0)
-            restless = high_m - low_m >= limit_m
-            middle_m[restless] = 0.5 * (low_m + high_m)[restless]
-            swing_m[restless] = 0.5 * (high_m - low_m)[restless]
-            return middle_m, swing_m
+    period = _period(trail_m, limit_m, 1)
+    if period is not None:
+        cycle_m = np.array(trail_m[-period:])
+        low_m, high_m = cycle_m.min(axis=0), cycle_m.max(axis=0)
+        restless = high_m - low_m >= limit_m
+        middle_m[restless] = 0.5 * (low_m + high_m)[restless]
+        swing_m[restless] = 0.5 * (high_m - low_m)[restless]
+        return middle_m, swing_m
     swing_m[restless] = np.abs(last_m - trail_m[-2])[restless]
     return middle_m, swing_m
 

@@ -1,6 +1,7 @@
 """The only place that knows the order of the stages: from a scan to a measured model."""
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -122,7 +123,7 @@ class _Fitted:
     notes: tuple[Note, ...]
     converged: bool
     restless: tuple[int, ...]
-    """Planes that still moved in the last rounds, the farthest first."""
+    """Planes that still moved in the last rounds, the farthest first; where it converged, to and fro."""
     swing_m: Float[np.ndarray, " planes"]
     """By how much their places are in doubt for that."""
     displacements: Displacements | None = None
@@ -220,6 +221,7 @@ def _measure(
                 *face_notes(shape, found),
                 *doubts,
                 *_doubts(closed, fitted, found),
+                *_to_and_fro(fitted, found, np.sqrt(np.diag(covariance_m2))),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
@@ -270,6 +272,8 @@ def _unseen_told(shape: Shape, data: PatchData) -> Shape:
 
 _NAMED = 5
 """More faces in a message are not read."""
+_MOST = 0.5
+"""Of the variance of a place."""
 
 
 def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
@@ -279,15 +283,36 @@ def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
         message = "A room's solid is not closed or not in one piece; do not use its volume."
         notes.append(Note("NOT_CLOSED", message))
     if not fitted.converged:
-        faces = [face.id for k in fitted.restless for face in found.faces if face.polygon.plane == k]
+        faces = _faces_of(fitted.restless, found)
         at = f" of {', '.join(faces[:_NAMED])}" if faces else ""
         notes.append(
             Note(
                 "NOT_CONVERGED",
-                f"The fit did not come to rest: the points{at} keep changing between planes. Intervals reach "
-                "over the places where these were. Fix: look at the plan there for a wall that is not there, "
-                "and forbid it; or raise joint.max_rounds.",
+                f"The fit did not come to rest: the points{at} keep changing between planes. Fix: look at "
+                "the plan there for a wall that is not there, and forbid it; or raise joint.max_rounds.",
                 tuple(faces),
             )
         )
     return tuple(notes)
+
+
+def _to_and_fro(fitted: _Fitted, found: Survey, stds_m: Float[np.ndarray, " planes"]) -> tuple[Note, ...]:
+    """Faces between two layers of points, where that makes up most of their uncertainty."""
+    planes = [k for k in fitted.restless if fitted.swing_m[k] ** 2 > _MOST * stds_m[k] ** 2]
+    faces = _faces_of(planes, found)
+    if not fitted.converged or not faces:
+        return ()
+    far_mm = 2e3 * max(fitted.swing_m[k] for k in planes)
+    return (
+        Note(
+            "RESTLESS",
+            f"There are two places for {', '.join(faces[:_NAMED])}, up to {far_mm:.0f} mm apart, and the "
+            "points of each speak for the other one. Values are those of the middle, intervals reach over "
+            "both. Look at the plan there for a wall that is not there, and forbid it.",
+            tuple(faces),
+        ),
+    )
+
+
+def _faces_of(planes: Sequence[int], found: Survey) -> list[str]:
+    return [face.id for k in planes for face in found.faces if face.polygon.plane == k]
