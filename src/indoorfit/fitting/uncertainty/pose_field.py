@@ -60,8 +60,8 @@ class PoseFieldConfig:
     student_dof: float = 4.0
     """Tail of the cell weights."""
     screen_sigmas: float = 4.5
-    """Patches whose mean shift exceeds this many robust sigmas count as contaminated, as in the wall field: at
-    3 every round took some of the patches that show how uneven walls are, until walls seemed to be smooth."""
+    """Patches whose mean shift exceeds this many robust sigmas count as contaminated, as in the wall field.
+    At 3 every round took some of the patches that show how uneven walls are, until walls seemed smooth."""
     displaced_sigmas: float = 5.0
     """Frames whose slip lies this many robust sigmas from the median frame's were put there by hand or by a
     wrong match: they keep their slip, but not as evidence of how far ordinary frames are off."""
