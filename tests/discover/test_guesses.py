@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import ndimage
 
 from indoorfit.config import RunConfig
 from indoorfit.discover.outline import Place, n_corners, walls_of, with_moved
@@ -112,3 +113,17 @@ def test_two_rooms_whose_facing_walls_nobody_saw_do_not_run_into_each_other():
     found = with_moved(rooms, grid, moves)
     assert not np.any(found.rooms[0] & found.rooms[1])
     assert found.moved == (moves[0],)
+
+
+@given(plans(), st.data())
+def test_walls_moved_all_at_once_leave_a_room_of_the_same_shape(plan, data):
+    x, y, cells, _ = plan
+    grid = (np.array(x), np.array(y))
+    walls = walls_of(0, cells)
+    places = [
+        Place(data.draw(st.floats(float(grid[wall.axis][0]), float(grid[wall.axis][-1]))), 0.1)
+        for wall in walls
+    ]
+    found = with_moved([cells], grid, list(zip(walls, places, strict=True)))
+    assert ndimage.label(found.rooms[0])[1] == 1
+    assert n_corners(found.rooms[0]) == n_corners(cells)

@@ -210,7 +210,7 @@ def _near_lines(
     """Surfels of no surface that lie on a candidate line, and that line."""
     offsets_m = across.offsets_m
     position_m = surfaces.stray_m[:, axis]
-    nearest = np.argmin(np.abs(position_m[:, None] - offsets_m[None, :]), axis=1)
+    nearest = np.searchsorted(0.5 * (offsets_m[1:] + offsets_m[:-1]), position_m)
     near = np.abs(position_m - offsets_m[nearest]) < 3.0 * surfaces.noise_m
     return surfaces.stray_m[near], nearest[near]
 

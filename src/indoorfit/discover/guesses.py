@@ -29,6 +29,9 @@ from .surfaces import Surfaces
 _ENDS = 0.5
 """Along more than this share of a wall floor or ceiling must end for its place to count as measured."""
 
+_TRIED = 50
+"""Places between two candidates at most: mean and spread of more are the same to a hundredth of the gap."""
+
 
 def guess_places(
     rooms: Sequence[Bool[np.ndarray, "nx ny"]],
@@ -63,29 +66,32 @@ def guess_places(
     ]
     if not walls:
         return Outline(grid, list(rooms))
-    finer = _finer(lines, {wall.axis for wall in walls}, step_m)
-    fine: Grid = (finer[0].offsets_m, finer[1].offsets_m)
-    seen = _seen(surfaces, finer, free)
-    energy = _energy(seen, fine, config)
-    masks = [refined(mask, grid, fine) for mask in rooms]
     moves = []
-    for wall in walls:
-        own = wall.on(fine, grid)
-        place = None if _ends_at(own, seen, fine) else _mean_place(own, masks, fine, energy)
-        if place is not None:
-            moves.append((wall, place))
+    for axis in (0, 1):
+        across = [wall for wall in walls if wall.axis == axis]
+        if not across:
+            continue
+        finer = _finer(lines, axis, step_m)
+        fine: Grid = (finer[0].offsets_m, finer[1].offsets_m)
+        seen = _seen(surfaces, finer, free)
+        energy = _energy(seen, fine, config)
+        masks = [refined(mask, grid, fine) for mask in rooms]
+        for wall in across:
+            own = wall.on(fine, grid)
+            place = None if _ends_at(own, seen, fine) else _mean_place(own, masks, fine, energy)
+            if place is not None:
+                moves.append((wall, place))
     return with_moved(rooms, grid, moves)
 
 
-def _finer(lines: tuple[Lines, Lines], axes: set[int], step_m: float) -> tuple[Lines, Lines]:
-    """The candidates, and the places between them that walls across these axes are tried at."""
+def _finer(lines: tuple[Lines, Lines], axis: int, step_m: float) -> tuple[Lines, Lines]:
+    """The candidates, and the places between them that walls across one axis are tried at."""
+    between = [
+        np.linspace(low, high, int(np.clip((high - low) / step_m, 1, _TRIED)), endpoint=False)[1:]
+        for low, high in pairwise(lines[axis].offsets_m)
+    ]
     finer = list(lines)
-    for axis in axes:
-        between = [
-            np.linspace(low, high, max(1, int((high - low) / step_m)), endpoint=False)[1:]
-            for low, high in pairwise(lines[axis].offsets_m)
-        ]
-        finer[axis] = lines[axis].with_unseen(np.concatenate(between))
+    finer[axis] = lines[axis].with_unseen(np.concatenate(between))
     return finer[0], finer[1]
 
 
@@ -126,12 +132,12 @@ def _mean_place(
     wall: Wall, rooms: Sequence[Bool[np.ndarray, "nx ny"]], grid: Grid, energy: PlanEnergy
 ) -> Place | None:
     """Mean and standard deviation of the wall's places; None where there is but one."""
-    places = _places(wall, np.logical_or.reduce(list(rooms)), rooms[wall.room])
-    order = sorted(places)
-    if len(order) == 1:
+    places = _places(wall, rooms, energy)
+    if len(places) == 1:
         return None
+    order = sorted(places)
     where_m: Float[np.ndarray, " places"] = grid[wall.axis][order]
-    nats = np.array([energy.of(places[line]) for line in order])
+    nats = np.array([places[line] for line in order])
     weight = np.gradient(where_m) * np.exp(nats.min() - nats)
     weight /= weight.sum()
     mean_m = float(weight @ where_m)
@@ -139,35 +145,53 @@ def _mean_place(
     return Place(mean_m, std_m) if std_m > 0.0 else None
 
 
-def _places(
-    wall: Wall, inside: Bool[np.ndarray, "nx ny"], own: Bool[np.ndarray, "nx ny"]
-) -> dict[int, Bool[np.ndarray, "nx ny"]]:
-    """Lines that a wall can be moved to, and the labels with the wall there.
+def _places(wall: Wall, rooms: Sequence[Bool[np.ndarray, "nx ny"]], energy: PlanEnergy) -> dict[int, float]:
+    """Lines that a wall can be moved to, and the energy with it there, but for what is the same for all.
 
     Args:
         wall: on the grid of the labels.
-        inside: labels of all rooms.
-        own: labels of its own room.
+        rooms: labels of each.
+        energy: of the labels.
     """
-    places = {wall.line: inside}
     # Smaller cubes are taken away from one large one: their walls lie in it.
-    across = np.flatnonzero(np.moveaxis(own, wall.axis, 0).any(axis=1))
-    low, high = across[0], across[-1] + 1
+    across = np.flatnonzero(np.moveaxis(rooms[wall.room], wall.axis, 0).any(axis=1))
+    low, high = int(across[0]), int(across[-1]) + 1
+    # What a move changes lies in the wall's own strip or beside it.
+    first, along = max(low - 1, 0), slice(max(wall.cells.start - 1, 0), wall.cells.stop + 1)
+    inside = np.logical_or.reduce(
+        [np.moveaxis(room, wall.axis, 0)[first : high + 1, along] for room in rooms]
+    )
+    costs = _cropped(energy, wall.axis, slice(first, high + 1), along)
+    strip = slice(wall.cells.start - along.start, wall.cells.stop - along.start)
+    places = {wall.line: costs.of(inside)}
     beyond = wall.line if wall.outward > 0 else wall.line - 1
-    if low <= beyond < high and np.any(wall.beside(inside)[beyond]):
+    if low <= beyond < high and np.any(inside[beyond - first, strip]):
         # Another room begins there.
         return places
+    corners = n_corners(inside)
     for way in (1, -1):
-        line, joins = wall.line, way == wall.outward
+        labels, line, joins = inside.copy(), wall.line, way == wall.outward
         while low <= line + way <= high:
-            cell = line if way > 0 else line - 1
-            if np.any(wall.beside(inside)[cell] == joins):
+            cell = (line if way > 0 else line - 1) - first
+            if np.any(labels[cell, strip] == joins):
                 break
-            labels = places[line].copy()
-            wall.beside(labels)[cell] = joins
+            labels[cell, strip] = joins
             line += way
-            places[line] = labels
+            places[line] = costs.of(labels)
             # Another number of corners is another room: where it changes is the last place of this one.
-            if n_corners(labels) != n_corners(inside):
+            if n_corners(labels) != corners:
                 break
     return places
+
+
+def _cropped(energy: PlanEnergy, axis: int, across: slice, along: slice) -> PlanEnergy:
+    """The terms of a window of the plan, with an axis of choice first."""
+    cells, own, other = (
+        np.moveaxis(terms, axis, 0)
+        for terms in (energy.cells, energy.borders[axis], energy.borders[1 - axis])
+    )
+    return PlanEnergy(
+        cells[across, along],
+        (own[across.start : across.stop + 1, along], other[across, along.start : along.stop + 1]),
+        0.0,
+    )

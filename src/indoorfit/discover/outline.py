@@ -86,8 +86,8 @@ def with_moved(
 ) -> Outline:
     """Move walls, one after the other: the ends of each follow those that meet it.
 
-    A move that would make or lose a corner, or run into another room, because another wall was moved before,
-    is left out.
+    A move that would make or lose a corner, part the room, or run into another one, because another wall was
+    moved before, is left out; so is that of a wall that is gone.
 
     Args:
         rooms: cells of each room.
@@ -100,16 +100,23 @@ def with_moved(
     for wall, place in moves:
         mask = masks[wall.room].copy()
         now = _followed(wall.on(finer, grid), walls_of(wall.room, mask))
+        if now is None:
+            continue
         to = int(np.searchsorted(finer[wall.axis], place.offset_m))
         now.beside(mask)[min(now.line, to) : max(now.line, to)] = (to - now.line) * wall.outward > 0
         free = not any(np.any(mask & other) for room, other in enumerate(masks) if room != wall.room)
-        if free and n_corners(mask) == n_corners(masks[wall.room]):
+        if free and n_corners(mask) == n_corners(masks[wall.room]) and _in_one_piece(mask):
             masks[wall.room] = mask
             moved.append((wall, place))
     return Outline(finer, masks, tuple(moved))
 
 
-def _followed(wall: Wall, walls: Sequence[Wall]) -> Wall:
+def _in_one_piece(cells: Bool[np.ndarray, "nx ny"]) -> bool:
+    return ndimage.label(cells)[1] == 1  # type: ignore[misc]
+
+
+def _followed(wall: Wall, walls: Sequence[Wall]) -> Wall | None:
     """What has become of a wall whose ends have moved: the one on its line that shares most cells with it."""
     same = [other for other in walls if replace(other, cells=wall.cells) == wall]
-    return max(same, key=lambda o: min(o.cells.stop, wall.cells.stop) - max(o.cells.start, wall.cells.start))
+    shared = [min(o.cells.stop, wall.cells.stop) - max(o.cells.start, wall.cells.start) for o in same]
+    return same[int(np.argmax(shared))] if max(shared, default=0) > 0 else None
