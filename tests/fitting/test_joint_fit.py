@@ -153,12 +153,10 @@ def two_layers(monkeypatch):
     return scan, Scan(scan.frame.to_scan(points_m)), wall, (place_m - LAYER_M, place_m)
 
 
-def test_a_plane_that_cycles_between_two_layers_lies_between_them(monkeypatch):
+def test_a_plane_that_two_layers_hand_on_to_each_other_lies_between_them(monkeypatch):
     truth, scan, wall, layers_m = two_layers(monkeypatch)
     fit = fit_joint(scan, truth.frame, truth.shape, JointConfig(), PIXEL_M)
-    assert fit.converged, "it will never be anywhere else"
-    assert fit.rounds < JointConfig().max_rounds, "what came back twice is not waited for"
-    assert fit.restless == (wall,)
+    assert fit.converged
     # A thousand points of 5 mm on each layer, and the frame's turn over 4 m: half a millimetre.
     assert fit.shape.planes[wall].offset_m == pytest.approx(np.mean(layers_m), abs=5e-4)
     assert fit.swing_m[wall] == pytest.approx(0.5 * LAYER_M, abs=5e-4)
@@ -168,7 +166,7 @@ def test_a_plane_that_cycles_between_two_layers_lies_between_them(monkeypatch):
     assert abs(np.median(fit.cells.residuals_m[own])) < 1e-3
 
 
-def test_the_interval_of_a_plane_that_cycles_reaches_over_both_layers(monkeypatch):
+def test_the_interval_of_a_plane_with_two_layers_reaches_over_both(monkeypatch):
     truth, scan, wall, layers_m = two_layers(monkeypatch)
     fit = fit_joint(scan, truth.frame, truth.shape, JointConfig(), PIXEL_M)
     rng = np.random.default_rng(0)
@@ -191,24 +189,8 @@ def test_the_interval_of_a_plane_that_cycles_reaches_over_both_layers(monkeypatc
     assert high_m[0] > layers_m[1] + 0.02
 
 
-def test_a_plane_that_never_comes_back_has_not_converged(monkeypatch):
-    scan = virtual("box", 5, n_points=20_000)
-    wall = next(k for k, plane in enumerate(scan.shape.planes) if (plane.axis, plane.outward) == (0, 1))
-    honest, rounds = joint.associate, iter(range(1, 100))
-
-    def drifting(points_m, shape, config, pixel_m):
-        own = np.abs(points_m[:, 0] - scan.shape.planes[wall].offset_m) < 0.03
-        return honest(points_m + np.outer(own, [4e-3 * next(rounds), 0.0, 0.0]), shape, config, pixel_m)
-
-    monkeypatch.setattr(joint, "associate", drifting)
-    fit = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(max_rounds=6), PIXEL_M)
-    assert not fit.converged
-    assert wall in fit.restless
-
-
 def test_a_plane_at_rest_has_no_swing():
     scan = virtual("box", 5, n_points=10_000)
     fit = fit_joint(scan.scan, scan.frame, scan.shape, JointConfig(), PIXEL_M)
     assert fit.converged
-    assert fit.restless == ()
     assert not fit.swing_m.any()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from indoorfit.config import RunConfig
+from indoorfit.pipeline import fit as pipeline_fit
 from indoorfit.pipeline import fit_scan
 from synthetic import KINDS, expected_limit_m, largest_error_m, truth_of, virtual
 
@@ -123,6 +124,27 @@ def test_greedy_is_recorded_as_what_it_is():
     assert np.max(np.abs(np.diff(values, axis=0))) > 1e-6
     # Thesis: 10 cm is the reach of the selection; both must describe the same room.
     assert largest_error_m(greedy, truth_of(scan)) < 0.05
+
+
+def test_a_wall_with_two_places_is_named_and_its_intervals_reach_over_both(monkeypatch):
+    scan, swing_m, fitted = virtual("box", 5, n_points=8_000).scan, 0.03, pipeline_fit.fit_joint
+
+    def called_to_and_fro(*arguments):
+        fit = fitted(*arguments)
+        return replace(fit, swing_m=np.eye(len(fit.swing_m))[wall.plane] * swing_m)
+
+    plain = fit_scan(scan)
+    wall = next(face for face in plain.faces if face.kind == "wall")
+    monkeypatch.setattr(pipeline_fit, "fit_joint", called_to_and_fro)
+    result = fit_scan(scan)
+    (note,) = (note for note in result.notes if note.code == "TWO_PLACES")
+    assert result.converged
+    assert note.faces == (wall.id,)
+    for length, before in zip(result.dimensions, plain.dimensions, strict=True):
+        reach_m = 0.5 * (length.quantity.interval.high - length.quantity.interval.low)
+        # Two places alike are half their distance off the middle, and 1.96 times that is 95 %.
+        assert (reach_m > swing_m) == (wall.id in length.faces)
+        assert length.quantity.value == pytest.approx(before.quantity.value, abs=1e-9)
 
 
 def test_a_fit_that_does_not_rest_says_at_which_face():

@@ -117,7 +117,7 @@ def believe(
         rng: for the draws of the noise scales.
         sampler: draw the wall field's noise scales by Markov chains; None takes the analytic approximation.
         displacements: of the frames that were put back before the fit; None where none was.
-        swing_m: by how much each plane's place is in doubt because the fit did not come to rest there.
+        swing_m: by how much each plane's place is in doubt because its points call it to others.
 
     Raises:
         SamplingError: the chains have not converged; nothing is reported from them.

@@ -15,6 +15,7 @@ from .moments import plane_moments
 from .order import unpassed
 from .patches import PatchData
 from .residuals import build_cells
+from .rest import called, search_from
 from .uncertainty import Cells
 from .uncertainty.location import student_t_precisions
 from .yaws import turned_to, turning_freely
@@ -26,13 +27,14 @@ class JointConfig:
 
     association: AssociationConfig = field(default_factory=AssociationConfig)
     """Which points belong to a plane."""
-    max_rounds: int = 12
-    """Rounds of association and least squares; three are usual."""
+    max_rounds: int = 40
+    """Rounds of association and least squares; three to six are usual. Walls of few points are found patch by
+    patch, which took up to 28; halving the reach down to a tenth of a millimetre takes ten."""
     settle: float = 0.01
-    """The association stands still when nothing moved by more than this share of the reach: points at
-    its edge have no weight, and the location within a patch does not depend on the plane."""
+    """Planes rest where their points call them no farther than this share of the reach: points at its edge
+    have no weight, and the location within a patch does not depend on the plane."""
     coarse_points: int = 150_000
-    """The first rounds use at most this many points, every k-th; the last ones use all."""
+    """The first rounds, half of all at most, use this many points, every k-th; the last ones use all."""
     student_dof: float = 4.0
     """Tail of the weights between cells: wide enough for patches on furniture to lose their say."""
 
@@ -51,11 +53,9 @@ class JointFit:
     """Solver steps of the last round."""
     rounds: int
     converged: bool
-    restless: tuple[int, ...]
-    """Planes that still moved in the last rounds, the farthest first; where the fit converged, to and fro."""
     swing_m: Float[np.ndarray, " planes"]
-    """Half the distance of the places that a restless plane goes back and forth between, in whose middle it
-    is then put; its last movement where it does not come back; 0 at rest."""
+    """How far the points of each plane call it away from where it is (`Search`): 0 where it is their fixed
+    point, else to both sides, or to one if the rounds ran out before it was at rest."""
 
 
 def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
@@ -72,9 +72,8 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
         pixel_m: resolution at which coverage is counted.
 
     Returns:
-        the minimum; a plane that goes back and forth between the same places is in the middle of them.
-        `converged` is False where the solver or the association came neither to rest nor to such a cycle. A
-        plane that passed another one is put back and not fitted (`unpassed`).
+        the minimum; `converged` is False where the solver or the association did not come to rest. A plane
+        that passed another one is put back and not fitted (`unpassed`).
     """
     fit = _alternate(scan, frame, start, config, pixel_m)
     for _ in range(_MAX_REPAIRS):
@@ -90,26 +89,28 @@ _MAX_REPAIRS = 5
 
 
 def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
-    """Rounds of association and least squares until neither moves."""
+    """Rounds of association and least squares until every plane is where it can stay."""
     local_m = scan.points_m - frame.origin_scan_m
     stride = max(1, len(local_m) // config.coarse_points)
-    state = _State(start, frame.R_manhattan_scan)
-    still, rounds, steps, trail = False, 0, 0, [start.offsets_m]
+    state, search = _State(start, frame.R_manhattan_scan), search_from(start.offsets_m)
+    still, rounds, steps = False, 0, 0
     limit_m = config.settle * config.association.reach_m
-    # Coarse rounds until the association stands still, then rounds with all points.
-    for step in ([stride] if stride > 1 else []) + [1]:
+    # Coarse rounds until the planes rest, but half of all at most; then rounds with all points.
+    stages = [(1, config.max_rounds)]
+    if stride > 1:
+        stages.insert(0, (stride, max(1, config.max_rounds // 2)))
+    for step, last in stages:
         still = False
-        trail = trail[-1:] if rounds < config.max_rounds else trail
-        # What came back twice goes on like that.
-        while not still and _period(trail, limit_m, 2) is None and rounds < config.max_rounds:
+        search = search_from(search.place_m) if rounds < last else search
+        while not still and rounds < last:
             rounds += 1
-            state, moved_m, steps = _round(local_m[::step], state, config, pixel_m)
-            trail.append(state.shape.offsets_m)
-            still = moved_m < limit_m
-    middle_m, swing_m = _swing(trail, limit_m)
+            tried = replace(state, shape=state.shape.with_offsets(search.place_m))
+            state, turned_m, steps = _round(local_m[::step], tried, config, pixel_m)
+            search = called(search, state.shape.offsets_m, limit_m)
+            still = turned_m < limit_m and bool(np.all(search.rests))
     assert state.data is not None, "at least one round was made"
-    data = _moved_along(state.data, state.shape, middle_m)
-    shape = state.shape.with_offsets(middle_m)
+    data = _moved_along(state.data, state.shape, search.stay_m)
+    shape = state.shape.with_offsets(search.stay_m)
     return JointFit(
         shape=shape,
         frame=Frame(state.rotation, frame.origin_scan_m),
@@ -118,51 +119,9 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
         cost=state.cost,
         steps=steps,
         rounds=rounds,
-        converged=(still or _period(trail, limit_m, 1) is not None) and state.solved,
-        restless=tuple(int(k) for k in np.argsort(-swing_m) if swing_m[k] > 0.0),
-        swing_m=swing_m,
+        converged=still and state.solved,
+        swing_m=search.swing_m,
     )
-
-
-def _period(trail_m: list[Float[np.ndarray, " planes"]], limit_m: float, times: int) -> int | None:
-    """After how many rounds all planes are again where they are now, so many times; None if they are not.
-
-    Planes that stand still are not asked about: a period has two rounds or more.
-    """
-    last_m = trail_m[-1]
-    for period in range(2, (len(trail_m) - 1) // times + 1):
-        before = [trail_m[-1 - k * period] for k in range(1, times + 1)]
-        if all(np.all(np.abs(last_m - offsets_m) < limit_m) for offsets_m in before):
-            return period
-    return None
-
-
-def _swing(
-    trail_m: list[Float[np.ndarray, " planes"]], limit_m: float
-) -> tuple[Float[np.ndarray, " planes"], Float[np.ndarray, " planes"]]:
-    """Where planes are after the last round, and how far that is in doubt.
-
-    Two layers of a wall may each hand the plane on to the other one, for as long as one looks. No round's
-    place is better than another's, for each has its own points: the middle of the cycle has the least
-    expected square error. A law with both places alike has half their distance as its standard deviation.
-
-    Args:
-        trail_m: offsets of the planes, the last round last.
-        limit_m: movements below it are none.
-    """
-    last_m = trail_m[-1]
-    restless = np.abs(last_m - trail_m[-2]) >= limit_m if len(trail_m) > 1 else np.zeros(len(last_m), bool)
-    middle_m, swing_m = last_m.copy(), np.zeros(len(last_m))
-    period = _period(trail_m, limit_m, 1)
-    if period is not None:
-        cycle_m = np.array(trail_m[-period:])
-        low_m, high_m = cycle_m.min(axis=0), cycle_m.max(axis=0)
-        restless = high_m - low_m >= limit_m
-        middle_m[restless] = 0.5 * (low_m + high_m)[restless]
-        swing_m[restless] = 0.5 * (high_m - low_m)[restless]
-        return middle_m, swing_m
-    swing_m[restless] = np.abs(last_m - trail_m[-2])[restless]
-    return middle_m, swing_m
 
 
 def _moved_along(data: PatchData, shape: Shape, offsets_m: Float[np.ndarray, " planes"]) -> PatchData:
@@ -187,7 +146,7 @@ class _State:
 def _round(
     local_m: Float[np.ndarray, "points 3"], state: _State, config: JointConfig, pixel_m: float
 ) -> tuple[_State, float, int]:
-    """One association and one least squares solution; also the largest movement (m) and solver steps."""
+    """One association and one least squares solution; also how far its turns move (m) and solver steps."""
     shape = state.shape
     data = associate(local_m @ state.rotation.T, shape, config.association, pixel_m)
     patches = data.patches
@@ -205,10 +164,8 @@ def _round(
     offsets_m = np.where(seen, solution.offsets_m, shape.offsets_m)
     # The planes' normals turned by `turn`, so in the new frame the points turn back.
     patches = replace(patches, means_m=patches.means_m @ turn)
-    moved_m = float(np.max(np.abs(offsets_m - shape.offsets_m)))
-    moved_m += float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
-    shape, turned_m = turned_to(shape.with_offsets(offsets_m), patches, weights)
-    moved_m += turned_m
+    turned_m = float(np.max(np.abs(solution.rotation_rad)) * np.max(np.abs(patches.means_m)))
+    shape, yawed_m = turned_to(shape.with_offsets(offsets_m), patches, weights)
     after = _State(
         shape=shape,
         rotation=turn.T @ state.rotation,
@@ -216,4 +173,4 @@ def _round(
         cost=solution.cost,
         solved=solution.converged,
     )
-    return after, moved_m, solution.steps
+    return after, turned_m + yawed_m, solution.steps

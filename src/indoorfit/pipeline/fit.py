@@ -1,7 +1,6 @@
 """The only place that knows the order of the stages: from a scan to a measured model."""
 
 import logging
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -53,6 +52,7 @@ from indoorfit.model import (
 from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
 
+from .doubts import fit_doubts
 from .front import FrontEnd
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
@@ -122,10 +122,8 @@ class _Fitted:
     pixel_m: float
     notes: tuple[Note, ...]
     converged: bool
-    restless: tuple[int, ...]
-    """Planes that still moved in the last rounds, the farthest first; where it converged, to and fro."""
     swing_m: Float[np.ndarray, " planes"]
-    """By how much their places are in doubt for that."""
+    """By how much each plane's place is in doubt because its points call it to others."""
     displacements: Displacements | None = None
     """Of the frames that were put back before the fit."""
 
@@ -143,7 +141,6 @@ def _fit(
             shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
-        restless: tuple[int, ...] = ()
         swing_m = np.zeros(len(shape.planes))
     else:
         with watch.stage("discover"):
@@ -155,15 +152,14 @@ def _fit(
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)
         log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
         shape, frame, data = joint.shape, joint.frame, joint.data
-        cells, converged, restless = joint.cells, joint.converged, joint.restless
-        swing_m = joint.swing_m
+        cells, converged, swing_m = joint.cells, joint.converged, joint.swing_m
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
             frame_cells = cells_by_frame(
                 scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
             )
-    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, restless, swing_m)
+    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, swing_m)
 
 
 def _measure(
@@ -200,6 +196,7 @@ def _measure(
         gradients = np.stack([measurand.gradient for measurand in wanted])
         prediction = MeasurandPrediction(belief, values, gradients, type_b, config.belief.inflation)
         covariance_m2 = plane_covariance(belief, config.belief.inflation)
+        own_m = np.sqrt(np.diag(covariance_m2)) / config.belief.inflation
     with watch.stage("honesty"):
         doubts = _honest(scan, fitted, belief, found, config)
     closed = all(solid.is_closed for solid in solids)
@@ -220,8 +217,7 @@ def _measure(
                 *belief.notes,
                 *face_notes(shape, found),
                 *doubts,
-                *_doubts(closed, fitted, found),
-                *_to_and_fro(fitted, found, np.sqrt(np.diag(covariance_m2))),
+                *fit_doubts(closed, fitted.converged, fitted.swing_m, own_m, found),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
@@ -268,51 +264,3 @@ def _unseen_told(shape: Shape, data: PatchData) -> Shape:
         plane if k in fitted else replace(plane, status="inferred") for k, plane in enumerate(shape.planes)
     ]
     return replace(shape, planes=tuple(planes))
-
-
-_NAMED = 5
-"""More faces in a message are not read."""
-_MOST = 0.5
-"""Of the variance of a place."""
-
-
-def _doubts(closed: bool, fitted: _Fitted, found: Survey) -> tuple[Note, ...]:
-    """The two ways in which a model can be written and yet not be sound (exit code 3)."""
-    notes = []
-    if not closed:
-        message = "A room's solid is not closed or not in one piece; do not use its volume."
-        notes.append(Note("NOT_CLOSED", message))
-    if not fitted.converged:
-        faces = _faces_of(fitted.restless, found)
-        at = f" of {', '.join(faces[:_NAMED])}" if faces else ""
-        notes.append(
-            Note(
-                "NOT_CONVERGED",
-                f"The fit did not come to rest: the points{at} keep changing between planes. Fix: look at "
-                "the plan there for a wall that is not there, and forbid it; or raise joint.max_rounds.",
-                tuple(faces),
-            )
-        )
-    return tuple(notes)
-
-
-def _to_and_fro(fitted: _Fitted, found: Survey, stds_m: Float[np.ndarray, " planes"]) -> tuple[Note, ...]:
-    """Faces between two layers of points, where that makes up most of their uncertainty."""
-    planes = [k for k in fitted.restless if fitted.swing_m[k] ** 2 > _MOST * stds_m[k] ** 2]
-    faces = _faces_of(planes, found)
-    if not fitted.converged or not faces:
-        return ()
-    far_mm = 2e3 * max(fitted.swing_m[k] for k in planes)
-    return (
-        Note(
-            "RESTLESS",
-            f"There are two places for {', '.join(faces[:_NAMED])}, up to {far_mm:.0f} mm apart, and the "
-            "points of each speak for the other one. Values are those of the middle, intervals reach over "
-            "both. Look at the plan there for a wall that is not there, and forbid it.",
-            tuple(faces),
-        ),
-    )
-
-
-def _faces_of(planes: Sequence[int], found: Survey) -> list[str]:
-    return [face.id for k in planes for face in found.faces if face.polygon.plane == k]
