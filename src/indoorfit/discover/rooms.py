@@ -1,22 +1,20 @@
 """From labelled cells to the cube grammar, with every plane put where its surfels are."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from indoorfit.errors import InputError
 from indoorfit.geometry import (
-    Exposure,
     Level,
-    exposures,
     shape_from_plan,
     walls_at,
     with_levels,
     with_oblique_wall,
 )
-from indoorfit.model import Note, Plane, Shape
+from indoorfit.model import Note, Shape
 
 from .candidates import CandidateConfig
 from .cuts import Cut
@@ -26,6 +24,7 @@ from .level_task import KINDS, Grid, Kind, LevelConfig, LevelTask, refined
 from .levels import RoomLevels, find_levels, level_cells
 from .outline import Outline
 from .passages import Passage, close_passages, open_borders, pieces_of
+from .placing import placed
 from .surfaces import Surfaces
 
 _NOTABLE_M2 = 1.0
@@ -169,14 +168,10 @@ def build_shape(
         floor, ceiling = (find_levels(task, z_m, config) for task, z_m in zip(tasks, fallback_m, strict=True))
         found.append((floor, ceiling))
     shape = _cut_off(_stacked(rooms, grid, found), cuts, candidates.merge_m)
-    planes = [
-        _place(plane, exposure, surfaces, outline)
-        for plane, exposure in zip(shape.planes, exposures(shape), strict=True)
-    ]
     notes = [
         note for pair in found for on, levels in zip(KINDS, pair, strict=True) for note in _odd(on, levels)
     ]
-    return replace(shape, planes=tuple(planes)), tuple(notes)
+    return placed(shape, surfaces, outline), tuple(notes)
 
 
 def _stacked(
@@ -212,25 +207,6 @@ def _cut_off(shape: Shape, cuts: Sequence[Cut], least_m: float) -> Shape:
         if between is not None:
             shape = with_oblique_wall(shape, between, cut.yaw_rad, cut.offset_m, cut.opens, least_m)
     return shape
-
-
-def _place(plane: Plane, exposure: Exposure, surfaces: Surfaces, outline: Outline) -> Plane:
-    """Move a plane to the median of the surfels on it; without any it is inferred and stays."""
-    if plane.oblique:
-        return plane
-    if (doubt_m := outline.doubt_m(plane.axis, plane.offset_m)) > 0.0:
-        return replace(plane, status="inferred", doubt_m=doubt_m)
-    if plane.axis == 2:
-        level_m = surfaces.floor_m if plane.outward < 0 else surfaces.ceiling_m
-        reach_m = 0.10
-    else:
-        level_m, reach_m = surfaces.walls_m[plane.axis], 0.10
-    near = np.abs(level_m[:, plane.axis] - plane.offset_m) < reach_m
-    near[near] = exposure.contains(level_m[near])
-    share = near.sum() * (surfaces.pixel_m / 2.0) ** 2 / max(exposure.area_m2, 1e-9)
-    if near.sum() < 3 or share < 0.02:
-        return replace(plane, status="inferred")
-    return replace(plane, offset_m=float(np.median(level_m[near, plane.axis])))
 
 
 def _odd(on: Kind, levels: RoomLevels) -> list[Note]:

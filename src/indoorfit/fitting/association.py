@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.geometry import MAD_TO_STD, Exposure, exposures
+from indoorfit.geometry import MAD_TO_STD, SAME_WALL_M, Exposure, exposures
 from indoorfit.model import Plane, Shape
 
 from .patches import PatchData, Patches, joined, summarise
@@ -215,9 +215,6 @@ def _usable_depth(
 
 _MANY = 50
 """Points that give a spread to 15 %."""
-
-SAME_WALL_M = 0.06
-"""Parallel planes that are nearer are one wall seen in two places, as for the candidates of discovery."""
 
 
 def _margin(exposure: Exposure, edge_m: float) -> float:

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from indoorfit.errors import ConfigError, SamplingError
-from indoorfit.geometry import room_of_planes
+from indoorfit.geometry import reverted, room_of_planes
 from indoorfit.model import Frame, Note, Shape
 
 from .displaced import DisplacedConfig, Displacements, doubt_covariance
@@ -231,8 +231,11 @@ def _fused(wall: Predictive, pose: Predictive, shape: Shape, frame: Frame, confi
         "pose_field": dict(pose.noise),
         "explanation": pose.noise["sentence"],
     }
+    # Where the average would turn a part of a room inside out, the fit's places stay; `MeasurandPrediction`
+    # adds how far they are from the average.
+    ordered, _ = reverted(shape, shape.with_parameters(theta[3:]))
     return Belief(
-        shape=shape.with_parameters(theta[3:]),
+        shape=ordered,
         frame=replace(frame, R_manhattan_scan=turn.T @ frame.R_manhattan_scan),
         wall=wall,
         pose=pose,

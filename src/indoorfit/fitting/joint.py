@@ -12,7 +12,7 @@ from indoorfit.model import Frame, Scan, Shape
 from .association import AssociationConfig, associate
 from .least_squares import solve
 from .moments import plane_moments
-from .order import unpassed
+from .order import as_started, unpassed
 from .patches import PatchData
 from .residuals import build_cells
 from .rest import called, search_from
@@ -56,6 +56,8 @@ class JointFit:
     swing_m: Float[np.ndarray, " planes"]
     """How far the points of each plane call it away from where it is (`Search`): 0 where it is their fixed
     point, else to both sides, or to one if the rounds ran out before it was at rest."""
+    put_back: tuple[int, ...] = ()
+    """Planes that passed others: they stand where these let them, and are not fitted."""
 
 
 def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:
@@ -73,19 +75,22 @@ def fit_joint(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel
 
     Returns:
         the minimum; `converged` is False where the solver or the association did not come to rest. A plane
-        that passed another one is put back and not fitted (`unpassed`).
+        that passed another one is put back and not fitted (`unpassed`); the shape is always in order.
     """
-    fit = _alternate(scan, frame, start, config, pixel_m)
-    for _ in range(_MAX_REPAIRS):
-        repaired = unpassed(start, fit.shape, fit.data.plane_points)
-        if repaired is None:
-            return fit
+    fit, repairs = _alternate(scan, frame, start, config, pixel_m), 0
+    while (repaired := unpassed(start, fit.shape, fit.data.plane_points)) is not None:
+        # Each time fewer planes move, or in the end fewer directions of rooms have planes that do.
+        repairs += 1
+        if repairs > _MAX_REPAIRS:
+            repaired = as_started(start, fit.shape)
         fit = _alternate(scan, fit.frame, repaired, config, pixel_m)
-    return replace(fit, converged=False)
+    pairs = zip(start.planes, fit.shape.planes, strict=True)
+    back = [k for k, (old, new) in enumerate(pairs) if (old.status, new.status) == ("observed", "inferred")]
+    return replace(fit, put_back=tuple(back))
 
 
 _MAX_REPAIRS = 5
-"""Fits with one or more planes less; each repair leaves fewer planes that can pass another."""
+"""Fits with single planes less; then whole directions of a room go back to where they began."""
 
 
 def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixel_m: float) -> JointFit:

@@ -4,12 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Int
-from scipy import ndimage
 
-from indoorfit.geometry import Exposure, box_exposures, room_of_planes
+from indoorfit.geometry import passed, reverted
 from indoorfit.model import Shape
-
-from .association import SAME_WALL_M
 
 
 def unpassed(start: Shape, fitted: Shape, plane_points: Int[np.ndarray, " planes"]) -> Shape | None:
@@ -17,8 +14,7 @@ def unpassed(start: Shape, fitted: Shape, plane_points: Int[np.ndarray, " planes
 
     Two parallel planes of one room that change places turn a part of it inside out. Both were fitted to the
     same points, mostly; the one that claimed more of them keeps its place, the other one keeps its distance
-    from it. Pieces of one wall that do not meet, such as the fronts of pilasters in a row, have no order:
-    which of them is a hair's breadth before the others is noise, and turns nothing.
+    from it.
 
     Args:
         start: as discovered.
@@ -26,29 +22,30 @@ def unpassed(start: Shape, fitted: Shape, plane_points: Int[np.ndarray, " planes
         plane_points: points claimed by each plane.
 
     Returns:
-        a start for another fit; None if all planes are in order.
+        a start for another fit; None if all planes are in order (`passed`).
     """
-    room = room_of_planes(start)
     planes = list(fitted.planes)
     before_m, after_m = start.offsets_m, fitted.offsets_m
-    # Square corners: so that all faces of a room share its grid.
-    faces = box_exposures(start.squared)
-    for first, second in np.argwhere(before_m[:, None] < before_m[None, :]).tolist():
-        if start.planes[first].axis != start.planes[second].axis or room.get(first) != room.get(second):
-            continue
-        if start.planes[first].oblique or start.planes[second].oblique:
-            continue
-        if after_m[first] < after_m[second]:
-            continue
-        if before_m[second] - before_m[first] < SAME_WALL_M and not _meet(faces[first], faces[second]):
-            continue
-        weak, strong = sorted((first, second), key=lambda k: int(plane_points[k]))
+    pairs = passed(start, fitted)
+    for pair in pairs:
+        weak, strong = sorted(pair, key=lambda k: int(plane_points[k]))
         place_m = float(after_m[strong] + before_m[weak] - before_m[strong])
         planes[weak] = replace(planes[weak], offset_m=place_m, status="inferred")
-    return None if planes == list(fitted.planes) else replace(fitted, planes=tuple(planes))
+    return replace(fitted, planes=tuple(planes)) if pairs else None
 
 
-def _meet(first: Exposure, second: Exposure) -> bool:
-    """Whether two faces of one room overlap or touch as seen across them; they share the room's grid."""
-    grown = ndimage.binary_dilation(first.mask, np.ones((3, 3), bool))
-    return bool(np.any(grown & second.mask))
+def as_started(start: Shape, fitted: Shape) -> Shape:
+    """The fitted shape with all planes back, and taken as not observed, wherever some passed each other.
+
+    The last resort: a direction of a room that is as it was discovered is in order, and stays so, since what
+    is not observed is not fitted.
+
+    Args:
+        start: as discovered.
+        fitted: the same planes after the fit.
+    """
+    shape, back = reverted(start, fitted)
+    planes = list(shape.planes)
+    for k in back:
+        planes[k] = replace(planes[k], status="inferred")
+    return replace(shape, planes=tuple(planes))

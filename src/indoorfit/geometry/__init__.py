@@ -10,6 +10,9 @@ from .levels import Level as Level
 from .levels import with_levels as with_levels
 from .oblique import walls_at as walls_at
 from .oblique import with_oblique_wall as with_oblique_wall
+from .order import SAME_WALL_M as SAME_WALL_M
+from .order import passed as passed
+from .order import reverted as reverted
 from .plan import shape_from_plan as shape_from_plan
 from .planar import shared_area as shared_area
 from .planar import union as union

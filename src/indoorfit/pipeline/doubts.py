@@ -59,6 +59,27 @@ def fit_doubts(
     return tuple(notes)
 
 
+def put_back_notes(put_back: tuple[int, ...], found: Survey) -> tuple[Note, ...]:
+    """One note naming the faces of planes that passed others in the fit and were put back.
+
+    Args:
+        put_back: the planes.
+        found: the faces.
+    """
+    faces = tuple(face.id for face in found.faces if face.polygon.plane in put_back)
+    if not faces:
+        return ()
+    return (
+        Note(
+            "STEP_UNRESOLVED",
+            f"Narrower than the scan is good: the step{_named(faces)}. Its points lie beyond the wall that "
+            "it steps back from or stands before, so it was put back to where it was first seen beside that "
+            "wall, and counts as not observed. Fix: measure its depth by hand, or scan it more closely.",
+            faces,
+        ),
+    )
+
+
 def _faces(swing_m: Float[np.ndarray, " planes"], chosen: np.ndarray, found: Survey) -> tuple[str, ...]:
     """Ids of the faces of the chosen planes, the one with the greatest swing first."""
     order = [k for k in np.argsort(-swing_m, kind="stable").tolist() if chosen[k]]

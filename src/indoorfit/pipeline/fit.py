@@ -52,7 +52,7 @@ from indoorfit.model import (
 from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
 
-from .doubts import fit_doubts
+from .doubts import fit_doubts, put_back_notes
 from .front import FrontEnd
 from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
@@ -124,6 +124,8 @@ class _Fitted:
     converged: bool
     swing_m: Float[np.ndarray, " planes"]
     """By how much each plane's place is in doubt because its points call it to others."""
+    put_back: tuple[int, ...] = ()
+    """Planes that passed others in the fit."""
     displacements: Displacements | None = None
     """Of the frames that were put back before the fit."""
 
@@ -141,6 +143,7 @@ def _fit(
             shape, frame, notes = greedy.shape, greedy.frame, greedy.notes
             data = associate(frame.to_manhattan(scan.points_m), shape, config.joint.association, pixel_m)
             cells, converged = build_cells(data.patches, shape), greedy.converged
+            put_back: tuple[int, ...] = ()
         swing_m = np.zeros(len(shape.planes))
     else:
         with watch.stage("discover"):
@@ -152,14 +155,15 @@ def _fit(
             joint = fit_joint(scan, frame, start, config.joint, pixel_m)
         log.info("fit: %d round(s), %d patches", joint.rounds, len(joint.cells.plane))
         shape, frame, data = joint.shape, joint.frame, joint.data
-        cells, converged, swing_m = joint.cells, joint.converged, joint.swing_m
+        cells, converged = joint.cells, joint.converged
+        swing_m, put_back = joint.swing_m, joint.put_back
     frame_cells = None
     if config.belief.use_frames and scan.frame_ids is not None and config.method == "joint":
         with watch.stage("frames"):
             frame_cells = cells_by_frame(
                 scan, frame, shape, config.joint.association, pixel_m, config.belief.pose_field
             )
-    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, swing_m)
+    return _Fitted(shape, frame, data, cells, frame_cells, pixel_m, notes, converged, swing_m, put_back)
 
 
 def _measure(
@@ -218,6 +222,7 @@ def _measure(
                 *face_notes(shape, found),
                 *doubts,
                 *fit_doubts(closed, fitted.converged, fitted.swing_m, own_m, found),
+                *put_back_notes(fitted.put_back, found),
             ),
             provenance=provenance(scan, config, watch),
             converged=closed and fitted.converged,
