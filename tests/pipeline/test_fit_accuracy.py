@@ -147,6 +147,14 @@ def test_a_wall_with_two_places_is_named_and_its_intervals_reach_over_both(monke
         assert length.quantity.value == pytest.approx(before.quantity.value, abs=1e-9)
 
 
+def test_a_step_that_was_put_back_is_named(monkeypatch):
+    scan, fitted = virtual("box", 5, n_points=8_000).scan, pipeline_fit.fit_joint
+    wall = next(face for face in fit_scan(scan).faces if face.kind == "wall")
+    monkeypatch.setattr(pipeline_fit, "fit_joint", lambda *a: replace(fitted(*a), put_back=(wall.plane,)))
+    (note,) = (note for note in fit_scan(scan).notes if note.code == "STEP_UNRESOLVED")
+    assert note.faces == (wall.id,)
+
+
 def test_a_fit_that_does_not_rest_says_at_which_face():
     config = RunConfig()
     # Nothing stands still to a tenth of a nanometre.

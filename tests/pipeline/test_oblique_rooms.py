@@ -33,6 +33,8 @@ SCENES = {
     ),
     # One end of the room is not square: no wall of the other two directions is left there.
     "end": Scene((BOX,), oblique_walls=(ObliqueWall(0, (5.0, 0.0), (4.1, 4.0)),)),
+    # As little askew as a wall of the two directions may be by its class: ten degrees.
+    "askew": Scene((BOX,), oblique_walls=(ObliqueWall(0, (5.0, 0.0), (4.3, 4.0)),)),
     # The inner corner of the L, which stands in the room.
     "edge": Scene((L_ROOM,), oblique_walls=(ObliqueWall(0, (3.9, 2.5), (3.0, 3.4)),)),
     # A screen of 2 m before a corner: seen as well as a wall, but no wall.

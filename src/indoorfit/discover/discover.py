@@ -14,7 +14,7 @@ from .overrides import PlanOverrides
 from .planning import find_plan
 from .rooms import RoomConfig, build_shape
 from .surfaces import find_surfaces
-from .world import WorldConfig, world_notes
+from .world import WorldConfig, square_classes, world_notes
 
 _NO_OVERRIDES = PlanOverrides()
 
@@ -64,6 +64,7 @@ def discover(
         InputError: no walls, no floor, or no closed room.
         ConfigError: an override that cannot be meant.
     """
+    classes = square_classes(segments, classes, config.world)
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)

@@ -18,6 +18,7 @@ from .oblique import oblique_lines
 from .overrides import PlanOverrides, outlines
 from .planning import Plan, find_plan
 from .surfaces import find_surfaces
+from .world import square_classes
 
 Verdict = Literal["accepted", "refused", "forbidden"]
 
@@ -121,6 +122,7 @@ def explain(
         InputError: no walls, no floor, or no closed room.
         ConfigError: an override that cannot be meant.
     """
+    classes = square_classes(segments, classes, config.world)
     surfaces = find_surfaces(surfels, segments, classes)
     seen_m2 = surfels.area_m2 * len(surfels.positions_m)
     oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)

@@ -40,6 +40,18 @@ def oblique_segments(
     return off_axis & upright & (segments.areas_m2 >= least_m2)
 
 
+def square_classes(
+    segments: Segments, classes: tuple[FaceClass | None, ...], config: WorldConfig
+) -> tuple[FaceClass | None, ...]:
+    """The classes without those of large pieces of wall that follow neither axis.
+
+    The table of classes is wide, for small pieces whose normals are noisy. Those of large ones are not: ten
+    degrees are another direction.
+    """
+    oblique = oblique_segments(segments, config, config.min_segment_m2)
+    return tuple(None if askew else name for name, askew in zip(classes, oblique, strict=True))
+
+
 def world_notes(
     segments: Segments,
     classes: tuple[FaceClass | None, ...],
