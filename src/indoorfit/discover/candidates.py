@@ -42,6 +42,17 @@ class Lines:
         seen = np.concatenate([self.seen, np.zeros(len(offsets_m), bool)])
         return Lines(everything[order], seen[order], rank[self.surfel_line])
 
+    def joined(self, pairs: Sequence[tuple[int, int]]) -> "Lines":
+        """These lines with disjoint pairs of neighbours as one, in the place where more was seen."""
+        keep, home = np.ones(len(self.offsets_m), bool), np.arange(len(self.offsets_m))
+        counts = np.bincount(self.surfel_line[self.surfel_line >= 0], minlength=len(keep))
+        for pair in pairs:
+            weak, strong = sorted(pair, key=lambda k: int(counts[k]))
+            keep[weak], home[weak] = False, strong
+        # The last rank serves surfels without a line.
+        rank = np.append((np.cumsum(keep) - 1)[home], -1)
+        return Lines(self.offsets_m[keep], self.seen[keep], rank[self.surfel_line])
+
 
 def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> CandidateConfig:
     """The settings for a scan in which one surface is seen in several places.
@@ -52,6 +63,17 @@ def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> Candid
         price: of one parameter, nats.
     """
     return replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
+
+
+def told_apart(config: CandidateConfig, surfaces: Surfaces) -> CandidateConfig:
+    """The settings for candidates that may yet turn out to be one wall (`doubles`).
+
+    Args:
+        config: as set; `merge_m` grows to where two crowds of points can be told at all: the sum of two alike
+            normal densities has two peaks if they are more than two standard deviations apart.
+        surfaces: sorted evidence, for how much it scatters.
+    """
+    return replace(config, merge_m=max(config.merge_m, 2.0 * surfaces.scatter_m))
 
 
 def candidate_lines(

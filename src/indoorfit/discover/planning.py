@@ -9,8 +9,9 @@ from jaxtyping import Bool, Int
 from indoorfit.errors import InputError
 from indoorfit.model import Note, Rays
 
-from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, widened
+from .candidates import CandidateConfig, Lines, candidate_lines, closed_where_seen_ends, told_apart, widened
 from .cuts import Cut, Trial, accepted_cuts, cut_evidence, neutral, try_cuts, wall_nats
+from .doubles import doubles
 from .evidence import Evidence, gather_evidence
 from .free_shares import free_shares
 from .free_space import trace
@@ -97,11 +98,37 @@ def find_plan(
         InputError: no room.
         ConfigError: an override that cannot be meant.
     """
-    candidates = widened(candidates, surfaces, price_of_one(seen_m2, labels))
+    one = price_of_one(seen_m2, labels)
     # Furniture that stands askew ends no room.
     walls = [line for line in oblique if wall_nats(line, line.ends_m, surfaces, labels) < 0.0]
-    lines = candidate_lines(surfaces, candidates, walls)
+    lines = candidate_lines(surfaces, told_apart(candidates, surfaces), walls)
+    candidates = widened(candidates, surfaces, one)
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
+    while True:
+        plan = _plan_on(lines, surfaces, oblique, candidates, labels, rooms, overrides, rays)
+        pairs = doubles(
+            plan.rooms, plan.lines, plan.evidence.walls, plan.forced, surfaces.scatter_m, one, labels
+        )
+        if not pairs:
+            return plan
+        x, y = (
+            of_axis.joined([pair[1:] for pair in pairs if pair[0] == axis])
+            for axis, of_axis in enumerate(plan.lines)
+        )
+        lines = x, y
+
+
+def _plan_on(
+    lines: tuple[Lines, Lines],
+    surfaces: Surfaces,
+    oblique: Sequence[ObliqueLine],
+    candidates: CandidateConfig,
+    labels: LabelConfig,
+    rooms: RoomConfig,
+    overrides: PlanOverrides,
+    rays: Rays | None,
+) -> Plan:
+    """The best plan on some lines."""
     lines, partial = _two_each(lines, surfaces)
     price = price_of_wall(lines, labels)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
