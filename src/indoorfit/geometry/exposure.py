@@ -130,21 +130,16 @@ class Exposure:
     def _in_cells(
         self, u_m: Float[np.ndarray, " points"], v_m: Float[np.ndarray, " points"], margin_m: float
     ) -> Bool[np.ndarray, " points"]:
-        if margin_m == 0.0:
-            return self._lookup(u_m, v_m)
+        mask = np.pad(self.mask, 1)
         # The grid is rectilinear, so testing the corners of a square of side 2 * margin suffices
         # unless an arm is thinner than that; the centre then decides as well.
-        tests = [self._lookup(u_m + du, v_m + dv) for du in _ends(margin_m) for dv in _ends(margin_m)]
-        if margin_m < 0.0:
-            return np.logical_or.reduce([*tests, self._lookup(u_m, v_m)])
-        return np.logical_and.reduce([*tests, self._lookup(u_m, v_m)])
-
-    def _lookup(
-        self, u_m: Float[np.ndarray, " points"], v_m: Float[np.ndarray, " points"]
-    ) -> Bool[np.ndarray, " points"]:
-        i = np.searchsorted(self.u_m, u_m, side="right")
-        j = np.searchsorted(self.v_m, v_m, side="right")
-        return np.pad(self.mask, 1)[i, j]
+        ways = ((0, 0),) if margin_m == 0.0 else ((-1, -1), (-1, 1), (1, -1), (1, 1), (0, 0))
+        i, j = (
+            {way: np.searchsorted(lines_m, at_m + way * margin_m, side="right") for way in {*sum(ways, ())}}
+            for lines_m, at_m in ((self.u_m, u_m), (self.v_m, v_m))
+        )
+        tests = [mask[i[way], j[other]] for way, other in ways]
+        return (np.logical_or if margin_m < 0.0 else np.logical_and).reduce(tests)
 
     @property
     def area_m2(self) -> float:
@@ -162,7 +157,3 @@ class Exposure:
 def _rectangle(u_m: Float[np.ndarray, " 2"], v_m: Float[np.ndarray, " 2"]) -> Float[np.ndarray, "4 2"]:
     """Its corners, counter-clockwise."""
     return np.array([[u_m[0], v_m[0]], [u_m[1], v_m[0]], [u_m[1], v_m[1]], [u_m[0], v_m[1]]])
-
-
-def _ends(margin_m: float) -> tuple[float, float]:
-    return (-abs(margin_m), abs(margin_m))
