@@ -65,6 +65,23 @@ def test_the_two_sides_of_something_thin_are_not_one_wall():
     assert doubles([pillar], lines, seen, forced, SCATTER_M, PRICE, LabelConfig()) == []
 
 
+def test_the_second_corner_of_a_wall_that_was_seen_twice_is_no_riser():
+    """Both walls of a corner were seen twice: the nook between the four lines is no room."""
+    rooms, lines, seen, forced, *rest = stepped(3.0 * SCATTER_M, riser=1.0)
+    x_m = np.array([0.0, 4.0 - 3.0 * SCATTER_M, 4.0])
+    more_on_the_last = np.repeat([0, 1, 2], [5, 1, 5])
+    x = Lines(x_m, np.ones(3, bool), more_on_the_last)
+    assert doubles(rooms, (x, lines[1]), seen, forced, *rest) == [(1, 1, 2)]
+    # Of as much as was seen of the other wall, it is a wall of its own.
+    assert doubles(rooms, (replace(x, surfel_line=np.arange(3)), lines[1]), seen, forced, *rest) == []
+
+
+def test_surfels_between_two_layers_are_no_riser():
+    rooms, lines, seen, forced, *rest = stepped(3.0 * SCATTER_M, riser=1.0)
+    x = replace(lines[0], seen=np.array([True, False, True]))
+    assert doubles(rooms, (x, lines[1]), seen, forced, *rest) == [(1, 1, 2)]
+
+
 def test_a_forced_wall_is_never_joined_to_another():
     arguments = list(stepped(SCATTER_M, riser=0.0))
     arguments[3][1][0, 1] = True

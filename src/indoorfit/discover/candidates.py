@@ -62,7 +62,7 @@ def widened(config: CandidateConfig, surfaces: Surfaces, price: float) -> Candid
         surfaces: sorted evidence, for how much it scatters.
         price: of one parameter, nats.
     """
-    return replace(config, merge_m=max(config.merge_m, _worth_two_m(surfaces.scatter_m, price)))
+    return replace(config, merge_m=max(config.merge_m, worth_two_m(surfaces.scatter_m, price)))
 
 
 def told_apart(config: CandidateConfig, surfaces: Surfaces) -> CandidateConfig:
@@ -108,7 +108,7 @@ def candidate_lines(
     return across_x, across_y
 
 
-def _worth_two_m(scatter_m: float, price: float) -> float:
+def worth_two_m(scatter_m: float, price: float) -> float:
     """How far apart two positions must be for two walls to be likelier than one that was seen twice.
 
     The difference of two positions that scatter by s has variance 2 s². One wall for both costs d² / 4 s²

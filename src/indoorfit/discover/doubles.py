@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .candidates import Lines
+from .candidates import Lines, worth_two_m
 from .labelling import Borders, LabelConfig, log_odds
 from .level_task import Grid
 from .outline import Wall, walls_of
@@ -44,13 +44,14 @@ def doubles(
         disjoint pairs, the nearest first.
     """
     grid: Grid = (lines[0].offsets_m, lines[1].offsets_m)
+    apart_m = worth_two_m(scatter_m, price)
     evidence: dict[Pair, float] = {}
     for room, mask in enumerate(rooms):
         walls = walls_of(room, mask)
         for riser in walls:
             pair = 1 - riser.axis, riser.cells.start, riser.cells.stop
             if _is_step(riser, walls) and all(lines[pair[0]].seen[list(pair[1:])]):
-                nats = _riser_nats(riser, seen[riser.axis], grid, config)
+                nats = _riser_nats(riser, lines[riser.axis], seen[riser.axis], grid, apart_m, config)
                 evidence[pair] = evidence.get(pair, 0.0) + nats
     found: list[Pair] = []
     for pair in sorted(evidence, key=lambda p: _apart_m(p, grid)):
@@ -79,9 +80,26 @@ def _meets(wall: Wall, riser: Wall) -> bool:
     return riser.line in (wall.cells.start, wall.cells.stop)
 
 
-def _riser_nats(riser: Wall, seen: Float[np.ndarray, "_ _"], grid: Grid, config: LabelConfig) -> float:
-    """Log likelihood ratio of what was seen of a riser: that it is there, or not."""
-    odds = log_odds(riser.beside(seen)[riser.line], config.wall_between, config.wall_elsewhere)
+def _riser_nats(
+    riser: Wall,
+    lines: Lines,
+    seen: Float[np.ndarray, "_ _"],
+    grid: Grid,
+    apart_m: float,
+    config: LabelConfig,
+) -> float:
+    """Log likelihood ratio of what was seen of a riser: that it is there, or not.
+
+    It says nothing beside a line of which more was seen, so near that it may be the same wall: a wall that
+    was seen twice has a second corner, too.
+    """
+    near = np.abs(lines.offsets_m - lines.offsets_m[riser.line]) < apart_m
+    counts = np.bincount(lines.surfel_line[lines.surfel_line >= 0], minlength=len(near))
+    if np.any(counts[near] > counts[riser.line]):
+        return 0.0
+    # Between two layers of a wall there are surfels of neither, on no wall of any direction.
+    share = riser.beside(seen)[riser.line] * lines.seen[riser.line]
+    odds = log_odds(share, config.wall_between, config.wall_elsewhere)
     length_m = float(np.sum(np.diff(grid[1 - riser.axis])[riser.cells]))
     # However narrow: what hides it, or stands there instead, hides all of it.
     patches = max(1.0, length_m / config.patch_m)
