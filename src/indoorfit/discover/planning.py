@@ -104,16 +104,17 @@ def find_plan(
     lines = candidate_lines(surfaces, told_apart(candidates, surfaces), walls)
     candidates = widened(candidates, surfaces, one)
     lines = with_forced(lines, overrides.forced, surfaces, candidates.merge_m)
+    lines, partial = _two_each(lines, surfaces)
     while True:
         plan = _plan_on(lines, surfaces, oblique, candidates, labels, rooms, overrides, rays)
         pairs = doubles(
             plan.rooms, plan.lines, plan.evidence.walls, plan.forced, surfaces.scatter_m, one, labels
         )
         if not pairs:
-            return plan
+            return replace(plan, notes=(*partial, *plan.notes))
         x, y = (
             of_axis.joined([pair[1:] for pair in pairs if pair[0] == axis])
-            for axis, of_axis in enumerate(plan.lines)
+            for axis, of_axis in enumerate(lines)
         )
         lines = x, y
 
@@ -128,8 +129,7 @@ def _plan_on(
     overrides: PlanOverrides,
     rays: Rays | None,
 ) -> Plan:
-    """The best plan on some lines."""
-    lines, partial = _two_each(lines, surfaces)
+    """The best plan on some lines, two of each axis at least."""
     price = price_of_wall(lines, labels)
     forced, forbidden = borders_of(lines, overrides.forced), forbidden_borders(lines, overrides.forbidden)
     free = None if rays is None else trace(rays, surfaces, lines)
@@ -150,7 +150,7 @@ def _plan_on(
     evidence = evidence_with(accepted_cuts(trials))
     inside, notes = label_cells(evidence, grid, price, labels, forbidden)
     found_rooms = split_rooms(inside, evidence, grid, rooms)
-    notes = (*partial, *override_notes(overrides, lines, _numbered(found_rooms)), *notes)
+    notes = (*override_notes(overrides, lines, _numbered(found_rooms)), *notes)
     settled = _settled(forced, accepted_cuts(trials))
     outline = guess_places(found_rooms, lines, evidence, settled, surfaces, free, candidates.merge_m, labels)
     return Plan(
