@@ -111,6 +111,16 @@ def test_a_look_passes_a_plane_only_if_it_goes_on_for_more_than_the_margin():
     assert len(passages(rays, np.full(4, 0.5), 0, 2.0, 0.1).height_m) == 0
 
 
+def test_one_look_alone_tells_of_no_free_space():
+    """It may end at an outlier; two that end at one place seldom do."""
+    surfaces, lines = box()
+    rng = np.random.default_rng(6)
+    for end_m in zip(rng.uniform(2.0, 4.0, 20), rng.uniform(0.0, 3.0, 20), strict=True):
+        look = looks((0.5, 1.5, 1.5), [(*end_m, 1.2)])
+        assert len(trace(look, surfaces, lines).air_m) == 0
+        assert len(trace(joined(look, look), surfaces, lines).air_m) > 0
+
+
 def test_what_is_seen_under_a_lintel_is_no_free_space_of_the_room():
     surfaces, lines = box(door=True)
     beyond = upright(0, 6.0, (1.0, 2.0), (0.5, 2.0))

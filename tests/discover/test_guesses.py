@@ -112,7 +112,22 @@ def test_two_rooms_whose_facing_walls_nobody_saw_do_not_run_into_each_other():
     moves = list(zip(facing, (Place(3.6, 0.3), Place(3.4, 0.3)), strict=True))
     found = with_moved(rooms, grid, moves)
     assert not np.any(found.rooms[0] & found.rooms[1])
-    assert found.moved == (moves[0],)
+    # The other one stays, and is no better known for it.
+    assert found.moved[0] == moves[0]
+    wall, place = found.moved[1]
+    assert (wall, place.offset_m) == (facing[1], 4.0)
+    assert found.doubt_m(0, 4.0) == pytest.approx(np.hypot(0.3, 0.6))
+
+
+def test_a_wall_that_stays_leaves_its_doubt_to_no_other_wall_of_its_line():
+    # A U whose arms end on one line; a move that would make a corner less is left out.
+    grid = (np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 2.0, 4.0]))
+    cells = np.array([[True, True], [True, False], [True, True]])
+    ends = [wall for wall in walls_of(0, cells) if wall.axis == 1 and wall.line == 2]
+    assert len(ends) == 2
+    found = with_moved([cells], grid, [(ends[0], Place(2.0, 0.3))])
+    assert found.moved == ()
+    np.testing.assert_array_equal(found.rooms[0], cells)
 
 
 @given(plans(), st.data())

@@ -44,6 +44,19 @@ def test_a_room_in_order_encloses_its_faces_wherever_its_planes_went(plan, seed)
     assert {face.polygon.plane for face in found.faces} == set(range(len(before.planes)))
 
 
+def test_an_end_that_leaves_the_rooms_box_has_passed_the_one_beside_it():
+    """Two arms of a U that end within a hand's breadth: the longer one is the side of the box."""
+    mask = np.array([[True, True, True], [True, False, False], [True, True, False]])
+    before = shape_from_plan([0.0, 1.0, 2.0, 3.0], [0.0, 1.5, 3.0, 3.05], [mask], [(0.0, 2.5)])
+    ends = [k for k, plane in enumerate(before.planes) if plane.axis == 1 and plane.offset_m >= 3.0]
+    shorter, longer = sorted(ends, key=lambda k: before.planes[k].offset_m)
+    offsets_m = before.offsets_m
+    offsets_m[shorter] = 3.06
+    after = before.with_offsets(offsets_m)
+    assert passed(before, after) == [(shorter, longer)]
+    assert reverted(before, after)[0].offsets_m[shorter] == 3.0
+
+
 def test_planes_of_different_rooms_have_no_order():
     """The two sides of a partition may pass each other where registration slipped; both rooms stay whole."""
     left, right = np.array([[True], [False], [False]]), np.array([[False], [False], [True]])

@@ -78,6 +78,14 @@ def test_rays_are_few_and_the_shortest_of_their_neighbours():
     assert ends_m[0].tolist() in rays.ends_m.tolist()
 
 
+def test_more_frames_than_rays_are_thinned_too():
+    # A trajectory with a pose for every return, as walking scanners write them.
+    rng = np.random.default_rng(5)
+    origins_m, ends_m = rng.uniform(-1.0, 1.0, (70_000, 3)), rng.uniform(-3.0, 3.0, (70_000, 3))
+    rays = thinned(origins_m, np.arange(len(ends_m)), ends_m)
+    assert len(rays.ends_m) == 60_000
+
+
 def test_explanation_tells_what_was_looked_through(explained):
     found = explained.explanation
     assert found.evidence.free is not None

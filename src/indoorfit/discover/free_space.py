@@ -139,7 +139,9 @@ def _counted(
             within & (height_m > foot_m + _margin_m(surfaces)) & (height_m < top_m)
         )
         for row, chosen in enumerate((air, air & (height_m > band_m))):
-            counts[row] += np.bincount(square[chosen], minlength=raster.size)
+            # Each ray once a square, however many samples of it lie there.
+            once = np.unique(ray[chosen] * raster.size + square[chosen]) % raster.size
+            counts[row] += np.bincount(once, minlength=raster.size)
         limits.append(limit)
     return counts, np.concatenate(limits)
 

@@ -29,6 +29,9 @@ from .surfaces import Surfaces
 _ENDS = 0.5
 """Along more than this share of a wall floor or ceiling must end for its place to count as measured."""
 
+_SAME = 0.1
+"""Of the distance between the places that are tried: a nearer place than that is the same."""
+
 _TRIED = 50
 """Places between two candidates at most: mean and spread of more are the same to a hundredth of the gap."""
 
@@ -142,7 +145,9 @@ def _mean_place(
     weight /= weight.sum()
     mean_m = float(weight @ where_m)
     std_m = float(np.sqrt(weight @ (where_m - mean_m) ** 2))
-    return Place(mean_m, std_m) if std_m > 0.0 else None
+    # Another place than the candidate's makes sense from where places are told apart.
+    near_m = _SAME * float(np.gradient(where_m)[order.index(wall.line)])
+    return Place(mean_m, std_m) if max(std_m, abs(mean_m - grid[wall.axis][wall.line])) > near_m else None
 
 
 def _places(wall: Wall, rooms: Sequence[Bool[np.ndarray, "nx ny"]], energy: PlanEnergy) -> dict[int, float]:

@@ -56,7 +56,7 @@ class Outline:
     grid: Grid
     rooms: list[Bool[np.ndarray, "nx ny"]]
     moved: tuple[tuple[Wall, Place], ...] = ()
-    """The walls that nobody saw, on the grid before, and where they are now."""
+    """The walls that nobody saw, on the grid before, and where they are now; some could not be moved."""
 
     def doubt_m(self, axis: int, offset_m: float) -> float:
         """Standard uncertainty of the walls at a place, as far as it is a guess."""
@@ -87,7 +87,8 @@ def with_moved(
     """Move walls, one after the other: the ends of each follow those that meet it.
 
     A move that would make or lose a corner, part the room, or run into another one, because another wall was
-    moved before, is left out; so is that of a wall that is gone.
+    moved before, is left out; so is that of a wall that is gone. A wall that so stays is no better known for
+    it: its doubt reaches over the place it was to have. That is lost where another wall shares its line.
 
     Args:
         rooms: cells of each room.
@@ -108,7 +109,15 @@ def with_moved(
         if free and n_corners(mask) == n_corners(masks[wall.room]) and _in_one_piece(mask):
             masks[wall.room] = mask
             moved.append((wall, place))
+        elif not _shares_its_line(now, walls_of(wall.room, masks[wall.room])):
+            line_m = float(finer[wall.axis][now.line])
+            moved.append((wall, Place(line_m, float(np.hypot(place.std_m, place.offset_m - line_m)))))
     return Outline(finer, masks, tuple(moved))
+
+
+def _shares_its_line(wall: Wall, walls: Sequence[Wall]) -> bool:
+    """Whether another wall of the room lies on one's line: a plane has one uncertainty."""
+    return sum((other.axis, other.line) == (wall.axis, wall.line) for other in walls) > 1
 
 
 def _in_one_piece(cells: Bool[np.ndarray, "nx ny"]) -> bool:

@@ -13,7 +13,8 @@ class WorldConfig:
     """From which size on other directions are worth a warning."""
 
     min_segment_m2: float = 2.0
-    """Smaller pieces are furniture and open doors (a leaf has 1.6 m²); a wall of this size is 0.8 m wide."""
+    """Smaller pieces are furniture and open doors (a leaf has 1.6 m²); a wall of this size is 0.8 m wide.
+    Larger ones that follow neither axis are walls of neither, and warned of where they are not modelled."""
     min_oblique_m2: float = 0.5
     """Smaller pieces are no oblique walls: one of 20 cm from floor to ceiling has this size."""
     min_share: float = 0.05

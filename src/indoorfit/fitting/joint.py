@@ -103,7 +103,7 @@ def _alternate(scan: Scan, frame: Frame, start: Shape, config: JointConfig, pixe
     # Coarse rounds until the planes rest, but half of all at most; then rounds with all points.
     stages = [(1, config.max_rounds)]
     if stride > 1:
-        stages.insert(0, (stride, max(1, config.max_rounds // 2)))
+        stages.insert(0, (stride, config.max_rounds // 2))
     for step, last in stages:
         still = False
         search = search_from(search.place_m) if rounds < last else search

@@ -16,7 +16,8 @@ def passed(before: Shape, after: Shape) -> list[tuple[int, int]]:
     """Which planes of one room have changed places, the one that was lower first.
 
     Pieces of one wall that do not meet, such as the fronts of pilasters in a row, have no order: which of
-    them is a hair's breadth before the others is noise, and turns nothing. Oblique planes have none either.
+    them is a hair's breadth before the others is noise, and turns nothing; unless one of them is a side of
+    the room's own box, which the other one then leaves. Oblique planes have none either.
 
     Args:
         before: the same planes in order.
@@ -38,9 +39,15 @@ def passed(before: Shape, after: Shape) -> list[tuple[int, int]]:
         ):
             continue
         near = before_m[second] - before_m[first] < SAME_WALL_M
-        if not near or _meet(faces[first], faces[second]):
+        if not near or _meet(faces[first], faces[second]) or _lost(after, first, second):
             found.append((first, second))
     return found
+
+
+def _lost(after: Shape, first: int, second: int) -> bool:
+    """Whether one of two planes has no face any more."""
+    left = box_exposures(after.squared)
+    return not (left[first].mask.any() and left[second].mask.any())
 
 
 def reverted(before: Shape, after: Shape) -> tuple[Shape, tuple[int, ...]]:

@@ -50,6 +50,10 @@ def thinned(
         ends_m, index, ranges_m = ends_m[kept], index[kept], ranges_m[kept]
         if len(kept) <= _MAX_RAYS:
             return Rays(origins_m[index], ends_m)
+        if np.all(ends_m - low_m < edge_m):
+            # One ray of each frame is left, and there are more frames than that.
+            some = np.linspace(0, len(kept) - 1, _MAX_RAYS).astype(int)
+            return Rays(origins_m[index[some]], ends_m[some])
         # Cubes of twice the edge hold whole ones, so that nothing kept before is missed.
         edge_m *= 2.0
 
