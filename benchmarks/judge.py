@@ -139,22 +139,22 @@ def _peak_mb() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
-def _seen(virtual: VirtualScan, truth: FitResult) -> dict[int, bool]:
-    """Which true planes the scan has points on; those in doubt are left out."""
+def _seen(virtual: VirtualScan, truth: FitResult) -> dict[str, bool]:
+    """Which true faces the scan has points on; those in doubt are left out."""
     in_manhattan_m = virtual.frame.to_manhattan(virtual.scan.points_m)
-    areas_m2: dict[int, float] = {}
-    for face in truth.faces:
-        areas_m2[face.plane] = areas_m2.get(face.plane, 0.0) + _area_m2(face)
     seen = {}
-    for plane, area_m2 in areas_m2.items():
-        own = virtual.shape.planes[plane]
+    for face in truth.faces:
+        own = virtual.shape.planes[face.plane]
         axes = [axis for axis in range(3) if axis != own.axis]
-        cells: Int[np.ndarray, "n 2"] = np.floor(
-            own.to_own(in_manhattan_m[virtual.point_plane == plane])[:, axes] / _SEEN_CELL_M
-        ).astype(int)
-        share = len(np.unique(cells, axis=0)) * _SEEN_CELL_M**2 / area_m2
+        points_m = own.to_own(in_manhattan_m[virtual.point_plane == face.plane])[:, axes]
+        corners_m = own.to_own(virtual.frame.to_manhattan(face.rings_m[0]))[:, axes]
+        # Faces of one plane lie apart; drift carries points over their edges by less than a cell.
+        low_m, high_m = corners_m.min(axis=0) - _SEEN_CELL_M, corners_m.max(axis=0) + _SEEN_CELL_M
+        own_m = points_m[np.all((points_m > low_m) & (points_m < high_m), axis=1)]
+        cells: Int[np.ndarray, "n 2"] = np.floor(own_m / _SEEN_CELL_M).astype(int)
+        share = len(np.unique(cells, axis=0)) * _SEEN_CELL_M**2 / _area_m2(face)
         if share >= _SEEN_SHARE or share < _UNSEEN_SHARE:
-            seen[plane] = share >= _SEEN_SHARE
+            seen[face.id] = share >= _SEEN_SHARE
     return seen
 
 

@@ -159,17 +159,19 @@ def test_status_is_judged_where_it_is_known_whether_a_plane_was_seen():
     planes = list(shape.planes)
     planes[1] = replace(planes[1], status="inferred")
     model, truth = exact(replace(shape, planes=tuple(planes))), exact(shape)
-    verdicts = {s.expected: s.found for s in compare(model, truth, {0: True, 1: False}).statuses}
+    named = {face.plane: face.id for face in truth.faces}
+    seen = {named[0]: True, named[1]: False}
+    verdicts = {s.expected: s.found for s in compare(model, truth, seen).statuses}
     assert verdicts == {"observed": planes[0].status, "inferred": "inferred"}
-    (wrong,) = compare(model, truth, {1: True}).statuses
+    (wrong,) = compare(model, truth, {named[1]: True}).statuses
     assert (wrong.expected, wrong.found) == ("observed", "inferred")
     assert compare(model, truth).statuses == ()
 
 
 def test_a_missing_wall_that_the_scan_does_not_show_is_said_to_be_unseen():
     notched, plain = exact(room_shape("L", length_m=5.0, width_m=4.0)), exact(box(5.0, 4.0, 2.7))
-    lacking = [notched.face(name).plane for name in compare(plain, notched).missing]
-    seen = {plane: True for plane in range(len(notched.shape.planes))} | {lacking[0]: False}
+    lacking = compare(plain, notched).missing
+    seen = {face.id: True for face in notched.faces} | {lacking[0]: False}
     del seen[lacking[1]]
     excuses = [fault.split("(")[-1] for fault in compare(plain, notched, seen).faults]
     assert excuses == ["not seen)", "hardly seen)"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from indoorfit.geometry import exposures, room_of_planes, shape_from_plan
+from indoorfit.geometry import exposures, pieces, room_of_planes, shape_from_plan
 from indoorfit.simulate import room_shape
 from indoorfit.solid import face_polygons, subtract_cubes
 from synthetic import KINDS, plans, touches_by_corner
@@ -97,3 +97,14 @@ def test_a_nested_part_does_not_claim_its_neighbours_wall():
     areas = [exposure.area_m2 for exposure in exposures(shape)]
     # As above.
     np.testing.assert_allclose(polygon_areas(shape), areas, atol=2e-5)
+
+
+@given(plan=plans())
+def test_the_pieces_of_a_plane_are_its_faces(plan):
+    x, y, mask, z = plan
+    assume(not touches_by_corner(mask))
+    shape = shape_from_plan(x, y, [mask], [z])
+    found = [part for exposure in exposures(shape) for part in pieces(exposure)]
+    polygons = [p for room in shape.rooms for p in face_polygons(subtract_cubes(shape, room))]
+    areas_m2 = [sorted((k.plane, k.area_m2) for k in kinds) for kinds in (found, polygons)]
+    np.testing.assert_allclose(*areas_m2, rtol=1e-6)

@@ -86,13 +86,13 @@ class Comparison:
         return f" ({self.unseen[face]})" if face in self.unseen else ""
 
 
-def compare(model: FitResult, truth: FitResult, seen: Mapping[int, bool] | None = None) -> Comparison:
+def compare(model: FitResult, truth: FitResult, seen: Mapping[str, bool] | None = None) -> Comparison:
     """Compare two models of the same scan, in the truth's Manhattan frame.
 
     Args:
         model: what was found.
         truth: exact.
-        seen: for planes of the truth's shape, whether the scan has points on them. Planes that are left
+        seen: for faces of the truth, whether the scan has points on them. Faces that are left
             out are in doubt and their status is not judged; None judges none.
     """
     alignment = align(model, truth)
@@ -134,20 +134,20 @@ def _cube(shape: Shape, cube_id: str):
 
 
 def _statuses(
-    model: FitResult, truth: FitResult, pairs: Mapping[str, str], seen: Mapping[int, bool]
+    model: FitResult, truth: FitResult, pairs: Mapping[str, str], seen: Mapping[str, bool]
 ) -> tuple[StatusCheck, ...]:
     checks = []
     for face in truth.faces:
-        if face.id in pairs and face.plane in seen:
-            expected: PlaneStatus = "observed" if seen[face.plane] else "inferred"
+        if face.id in pairs and face.id in seen:
+            expected: PlaneStatus = "observed" if seen[face.id] else "inferred"
             found = model.face(pairs[face.id])
             checks.append(StatusCheck(face.id, found.id, expected, found.status))
     return tuple(checks)
 
 
-def _unseen(truth: FitResult, seen: Mapping[int, bool]) -> dict[str, str]:
+def _unseen(truth: FitResult, seen: Mapping[str, bool]) -> dict[str, str]:
     words = {None: "hardly seen", False: "not seen"}
-    return {face.id: words[seen.get(face.plane)] for face in truth.faces if seen.get(face.plane) is not True}
+    return {face.id: words[seen.get(face.id)] for face in truth.faces if seen.get(face.id) is not True}
 
 
 def _is_closed(mesh: RoomMesh) -> bool:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.geometry import MAD_TO_STD, Exposure
+from indoorfit.geometry import MAD_TO_STD, Exposure, SeenPiece
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class PatchData:
     """Robust spread of those points about the plane; 0 without points."""
     coverage: Float[np.ndarray, " planes"]
     """Share of each plane's exposed area that points were seen on."""
+    pieces: tuple[SeenPiece, ...]
+    """The same of every connected part of the planes."""
 
 
 def summarise(

@@ -13,6 +13,8 @@ from .oblique import with_oblique_wall as with_oblique_wall
 from .order import SAME_WALL_M as SAME_WALL_M
 from .order import passed as passed
 from .order import reverted as reverted
+from .pieces import SeenPiece as SeenPiece
+from .pieces import pieces as pieces
 from .plan import shape_from_plan as shape_from_plan
 from .planar import shared_area as shared_area
 from .planar import union as union

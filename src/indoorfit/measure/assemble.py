@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from indoorfit.model import (
     Dimension,
@@ -23,18 +22,9 @@ from indoorfit.model import (
     Shape,
 )
 
+from .evidence import FaceEvidence
 from .levels import loa_classes, quantities
 from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey
-
-
-@dataclass(frozen=True)
-class PlaneEvidence:
-    """What the fit says of every plane."""
-
-    n_points: np.ndarray
-    """(planes,) points claimed."""
-    coverage: Float[np.ndarray, " planes"]
-    rms_m: Float[np.ndarray, " planes"]
 
 
 @dataclass(frozen=True)
@@ -61,7 +51,7 @@ def assemble(
     shape: Shape,
     frame: Frame,
     found: Survey,
-    evidence: PlaneEvidence,
+    evidence: FaceEvidence,
     prediction: Prediction,
     verdict: Verdict,
 ) -> FitResult:
@@ -71,7 +61,7 @@ def assemble(
         shape: fitted grammar.
         frame: fitted pose.
         found: what there is to measure.
-        evidence: per plane.
+        evidence: per face.
         prediction: per measurand, in the order of `measurands`.
         verdict: method, noise, warnings, provenance.
     """
@@ -81,15 +71,16 @@ def assemble(
     n_rooms = 3 * len(found.rooms)
     offsets = known[n + n_rooms :]
     classes = loa_classes(values[:n], prediction)
+    unseen = {face.id for face in found.faces if face.status == "inferred"}
     return FitResult(
         method=verdict.method,
         level=verdict.level,
         frame=frame,
         shape=shape,
         rooms=tuple(_room(room, known[n + 3 * k : n + 3 * k + 3]) for k, room in enumerate(found.rooms)),
-        faces=tuple(_face(face, shape, frame, evidence, offsets) for face in found.faces),
+        faces=tuple(_face(k, face, shape, frame, evidence, offsets) for k, face in enumerate(found.faces)),
         dimensions=tuple(
-            _dimension(dimension, _letters(k), known[k], classes[k], shape, frame)
+            _dimension(dimension, _letters(k), known[k], classes[k], shape, frame, unseen)
             for k, dimension in enumerate(found.dimensions)
         ),
         meshes=tuple(_mesh(room, found, frame) for room in found.rooms),
@@ -117,11 +108,15 @@ def _room(room: NamedRoom, known: Sequence[Quantity]) -> Room:
 
 
 def _face(
-    face: NamedFace, shape: Shape, frame: Frame, evidence: PlaneEvidence, offsets: Sequence[Quantity]
+    k: int,
+    face: NamedFace,
+    shape: Shape,
+    frame: Frame,
+    evidence: FaceEvidence,
+    offsets: Sequence[Quantity],
 ) -> Face:
     plane = shape.planes[face.polygon.plane]
     inward = 0.0 - plane.outward * plane.normal
-    k = face.polygon.plane
     return Face(
         id=face.id,
         kind=face.kind,
@@ -129,14 +124,14 @@ def _face(
         room=face.room,
         cube=face.cube,
         side=face.side,
-        plane=k,
+        plane=face.polygon.plane,
         normal=frame.directions_to_scan(inward),
         rings_m=tuple(frame.to_scan(ring) for ring in face.polygon.rings_m),
-        offset_std_m=offsets[k].std,
+        offset_std_m=offsets[face.polygon.plane].std,
         n_points=int(evidence.n_points[k]),
         coverage=float(evidence.coverage[k]),
         rms_m=float(evidence.rms_m[k]),
-        status=plane.status,
+        status=face.status,
     )
 
 
@@ -147,10 +142,13 @@ def _dimension(
     loa: LoaClass,
     shape: Shape,
     frame: Frame,
+    unseen: set[str],
 ) -> Dimension:
     # An oblique wall's ends lie on itself, too.
     moved_by = np.flatnonzero(dimension.measurand.gradient[: len(shape.planes)])
     inferred = any(shape.planes[k].status == "inferred" for k in moved_by)
+    # An extent ends at a plane, wherever that was seen; all else at these faces.
+    inferred |= dimension.kind != "overall" and not unseen.isdisjoint(dimension.faces)
     status: PlaneStatus = "inferred" if inferred else "observed"
     return Dimension(
         id=letters,

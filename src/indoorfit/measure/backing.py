@@ -61,13 +61,13 @@ def with_thicknesses(shape: Shape, found: Survey) -> Survey:
     A thickness between faces of which one is inferred would be the thickness of a guess, so there is none.
 
     Args:
-        shape: the grammar that was surveyed, with the status of its planes.
-        found: its survey.
+        shape: the grammar that was surveyed.
+        found: its survey, with the status of the faces.
     """
     dimensions = [
         _thickness(shape, backing)
         for backing in backings(shape, found)
-        if all(shape.planes[f.polygon.plane].status == "observed" for f in (backing.low, backing.high))
+        if backing.low.status == backing.high.status == "observed"
     ]
     return replace(found, dimensions=(*found.dimensions, *dimensions))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from indoorfit.model import DimensionKind, FaceKind, Polygon, RoomSolid, Shape, Side
+from indoorfit.model import DimensionKind, FaceKind, PlaneStatus, Polygon, RoomSolid, Shape, Side
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,8 @@ class NamedFace:
     cube: str
     side: Side
     polygon: Polygon
+    status: PlaneStatus
+    """Of its plane, unless that was seen on other faces only."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from .named import NamedFace, Survey
 
 def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:
     """One note naming the faces that nobody saw."""
-    inferred = [face for face in found.faces if shape.planes[face.polygon.plane].status == "inferred"]
+    inferred = [face for face in found.faces if face.status == "inferred"]
     if not inferred:
         return ()
     names = ", ".join(face.id for face in inferred)
@@ -16,8 +16,8 @@ def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:
         Note(
             "FACE_INFERRED",
             f"Not observed: {names}. Each is placed where the surfaces around it end"
-            f"{_guesses(shape, guessed)}, and dimensions that rest on it are marked inferred; scan it, or "
-            "measure it by hand, to be sure.",
+            f"{_guesses(shape, guessed)}{_in_line(shape, found)}, and dimensions that rest on it are "
+            "marked inferred; scan it, or measure it by hand, to be sure.",
             tuple(face.id for face in inferred),
         ),
     )
@@ -29,3 +29,16 @@ def _guesses(shape: Shape, guessed: list[NamedFace]) -> str:
         return ""
     told = [f"{face.id} by {2.0 * shape.planes[face.polygon.plane].doubt_m:.2f} m" for face in guessed]
     return f", or in the middle of the shadow that hides it (it may be off: {', '.join(told)})"
+
+
+def _in_line(shape: Shape, found: Survey) -> str:
+    """Of the faces whose plane was seen elsewhere, what they are taken to be in line with."""
+    told = []
+    for face in found.faces:
+        plane = face.polygon.plane
+        if face.status == "inferred" and shape.planes[plane].status == "observed":
+            seen = next(f.id for f in found.faces if f.polygon.plane == plane and f.status == "observed")
+            told.append(f"{face.id} with {seen}")
+    if not told:
+        return ""
+    return f", or taken to be in line with what was seen ({', '.join(told)}; intervals hold if it is)"

@@ -76,7 +76,8 @@ def _name_faces(
     for piece, kind in ordered:
         counts[kind] += 1
         cube, side = owners[piece.plane]
-        named.append(NamedFace(f"{kind}-{counts[kind]}", kind, room, cube.id, side, piece))
+        status = shape.planes[piece.plane].status
+        named.append(NamedFace(f"{kind}-{counts[kind]}", kind, room, cube.id, side, piece, status))
     return named
 
 

@@ -30,26 +30,21 @@ from indoorfit.fitting import (
     type_b_of,
 )
 from indoorfit.measure import (
-    PlaneEvidence,
     Survey,
     Verdict,
     assemble,
     face_notes,
     find_doors,
     measurands,
-    survey,
-    with_thicknesses,
 )
 from indoorfit.model import (
     FitResult,
     Frame,
     Note,
     Pictures,
-    RoomSolid,
     Scan,
     Shape,
 )
-from indoorfit.solid import face_polygons, subtract_cubes
 from indoorfit.texture import paint
 
 from .doubts import fit_doubts, put_back_notes
@@ -58,6 +53,7 @@ from .overriding import overridden, plan_overrides
 from .provenance import Stopwatch, provenance, timings_s
 from .put_back import righted_front, with_moves
 from .rays import rays_of
+from .surveying import surveyed
 
 log = logging.getLogger("indoorfit")
 
@@ -191,7 +187,8 @@ def _measure(
     type_b = type_b_of(config.type_b)
     shape = _unseen_told(belief.shape, fitted.data)
     with watch.stage("solid"):
-        solids, found = _surveyed(shape)
+        data = fitted.data
+        found, of_faces = surveyed(shape, data.pieces, data.plane_rms_m)
         in_manhattan_m = belief.frame.to_manhattan(scan.points_m)
         doors = find_doors(shape, belief.frame, found, in_manhattan_m, fitted.pixel_m)
     with watch.stage("intervals"):
@@ -203,13 +200,12 @@ def _measure(
         own_m = np.sqrt(np.diag(covariance_m2)) / config.belief.inflation
     with watch.stage("honesty"):
         doubts = _honest(scan, fitted, belief, found, config)
-    closed = all(solid.is_closed for solid in solids)
-    data = fitted.data
+    closed = all(room.solid.is_closed for room in found.rooms)
     result = assemble(
         shape,
         belief.frame,
         found,
-        PlaneEvidence(data.plane_points, data.coverage, data.plane_rms_m),
+        of_faces,
         prediction,
         Verdict(
             method=config.method,
@@ -233,13 +229,6 @@ def _measure(
         return result
     motions = frame_motions(belief.slips, np.unique(scan.frame_ids), fitted.frame)
     return replace(result, registration=motions)
-
-
-def _surveyed(shape: Shape) -> tuple[list[RoomSolid], Survey]:
-    """The solid of every room, and all that can be measured on and between them."""
-    solids = [subtract_cubes(shape, room) for room in shape.rooms]
-    found = survey(shape, solids, [face_polygons(solid) for solid in solids])
-    return solids, with_thicknesses(shape, found)
 
 
 def _honest(

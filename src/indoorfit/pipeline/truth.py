@@ -5,21 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from indoorfit.measure import (
-    ExactPrediction,
-    PlaneEvidence,
-    Survey,
-    Verdict,
-    assemble,
-    measurands,
-    survey,
-    with_thicknesses,
-)
+from indoorfit.geometry import SeenPiece, exposures, pieces
+from indoorfit.measure import ExactPrediction, Survey, Verdict, assemble, measurands
 from indoorfit.model import FitResult, Frame, Note, Shape
 from indoorfit.simulate import VirtualScan, seen_of_planes
-from indoorfit.solid import face_polygons, subtract_cubes
 
 from .provenance import package_version
+from .surveying import surveyed
 from .true_doors import true_doors
 
 _LEVEL = 0.95
@@ -39,30 +31,30 @@ def truth_result(
         seen: the scan that was taken of the shape. Planes that no point was taken on become `inferred`, and
             counts, coverage and RMS are those of its points. Without it every plane counts as fully seen.
     """
-    n = len(shape.planes)
-    evidence = PlaneEvidence(np.zeros(n, int), np.ones(n), np.zeros(n))
-    if seen is not None:
-        evidence = PlaneEvidence(*seen_of_planes(seen))
+    if seen is None:
+        whole = [part for exposure in exposures(shape) for part in pieces(exposure)]
+        evidence, rms_m = tuple(SeenPiece(part, 0, 1.0) for part in whole), np.zeros(len(shape.planes))
+    else:
+        evidence, rms_m = seen_of_planes(seen)
+        with_points = {piece.part.plane for piece in evidence if piece.n_points}
         planes = tuple(
-            replace(plane, status="observed" if count else "inferred")
-            for plane, count in zip(shape.planes, evidence.n_points, strict=True)
+            replace(plane, status="observed" if k in with_points else "inferred")
+            for k, plane in enumerate(shape.planes)
         )
         shape = replace(shape, planes=planes)
-    solids = [subtract_cubes(shape, room) for room in shape.rooms]
-    found = survey(shape, solids, [face_polygons(solid) for solid in solids])
-    found = with_thicknesses(shape, found)
+    found, of_faces = surveyed(shape, evidence, rms_m)
     values = np.array([measurand.value for measurand in measurands(found, shape)])
     result = assemble(
         shape,
         frame,
         found,
-        evidence,
+        of_faces,
         ExactPrediction(values),
         Verdict(
             method="truth",
             level=_LEVEL,
             noise={"explanation": "This is the exact geometry that the scan was simulated from."},
-            notes=(*_unseen(shape, found), *_beyond_the_model(found, seen)),
+            notes=(*_unseen(found), *_beyond_the_model(found, seen)),
             provenance={"version": package_version(), "simulation": settings, "seed": seed},
             converged=True,
         ),
@@ -72,8 +64,8 @@ def truth_result(
     return replace(result, adjacency=true_doors(seen.scene, shape, frame, found))
 
 
-def _unseen(shape: Shape, found: Survey) -> tuple[Note, ...]:
-    names = [face.id for face in found.faces if shape.planes[face.polygon.plane].status == "inferred"]
+def _unseen(found: Survey) -> tuple[Note, ...]:
+    names = [face.id for face in found.faces if face.status == "inferred"]
     if not names:
         return ()
     message = f"No point of the scan lies on {', '.join(names)}; the model is exact there all the same."

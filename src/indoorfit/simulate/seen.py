@@ -1,10 +1,10 @@
 """What a virtual scan shows of the true planes, and what of them is not there at all."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy import ndimage
 
-from indoorfit.geometry import MAD_TO_STD, Exposure, exposures
+from indoorfit.geometry import MAD_TO_STD, Exposure, SeenPiece, exposures, pieces
 
 from .virtual import VirtualScan
 
@@ -14,18 +14,17 @@ _SIGMAS = 5.0
 """Points further off are stray: half a billionth of a Gaussian, and no part of what is seen of the plane."""
 
 
-def seen_of_planes(
-    virtual: VirtualScan,
-) -> tuple[Int[np.ndarray, " planes"], Float[np.ndarray, " planes"], Float[np.ndarray, " planes"]]:
+def seen_of_planes(virtual: VirtualScan) -> tuple[tuple[SeenPiece, ...], Float[np.ndarray, " planes"]]:
     """What the points say of each plane of the shape.
 
     Returns:
-        number of points; share of the plane's visible area that lies within two point spacings (of the
-        whole scan) of one, 0 to 1; root mean square distance of the points from the plane in metres, drift
-        and scale included, 0 without points.
+        the connected parts of the planes with the number of their points, and the share of their area that
+        lies within two point spacings (of the whole scan) of one; root mean square distance of each plane's
+        points from it in metres, drift and scale included, 0 without points.
     """
     found = exposures(virtual.shape)
-    n_points, coverage, rms_m = np.zeros(len(found), int), np.zeros(len(found)), np.zeros(len(found))
+    seen: list[SeenPiece] = []
+    rms_m = np.zeros(len(found))
     points_m = virtual.frame.to_manhattan(virtual.scan.points_m)
     area_m2 = sum(exposure.area_m2 for exposure in found)
     # Two spacings: at an even density one place in 300 000 has no point that near.
@@ -36,11 +35,21 @@ def seen_of_planes(
         here_m = virtual.shape.planes[k].to_own(points_m[virtual.point_plane == k])
         off_m = here_m[:, axis] - virtual.shape.planes[k].offset_m
         near = _inliers(off_m)
-        n_points[k] = int(near.sum())
-        if n_points[k]:
+        if near.any():
             rms_m[k] = float(np.sqrt(np.mean(off_m[near] ** 2)))
-            coverage[k] = _coverage(exposure, here_m[near], reach_m)
-    return n_points, coverage, rms_m
+        seen += _seen_pieces(exposure, here_m[near], reach_m)
+    return tuple(seen), rms_m
+
+
+def _seen_pieces(
+    exposure: Exposure, points_m: Float[np.ndarray, "points 3"], reach_m: float
+) -> list[SeenPiece]:
+    parts, found = pieces(exposure), []
+    for part in parts:
+        # Drift carries points a little over the edge; they still speak for it.
+        own_m = points_m if len(parts) == 1 else points_m[part.contains(points_m, -reach_m)]
+        found.append(SeenPiece(part, len(own_m), _coverage(part, own_m, reach_m) if len(own_m) else 0.0))
+    return found
 
 
 def _inliers(off_m: Float[np.ndarray, " points"]) -> Bool[np.ndarray, " points"]:
