@@ -99,7 +99,7 @@ def test_moving_a_wall_keeps_the_corners_and_adds_its_strip(plan, data):
     # Rounding of sums of a few square metres.
     assert found.moved == ((wall, place),)
     assert area_m2[1] - area_m2[0] == pytest.approx(strip_m2, abs=1e-9)
-    assert found.doubt_m(wall.axis, place.offset_m) == 0.1
+    assert found.doubt_m(0, wall.axis, wall.outward, place.offset_m) == 0.1
 
 
 def test_two_rooms_whose_facing_walls_nobody_saw_do_not_run_into_each_other():
@@ -116,7 +116,7 @@ def test_two_rooms_whose_facing_walls_nobody_saw_do_not_run_into_each_other():
     assert found.moved[0] == moves[0]
     wall, place = found.moved[1]
     assert (wall, place.offset_m) == (facing[1], 4.0)
-    assert found.doubt_m(0, 4.0) == pytest.approx(np.hypot(0.3, 0.6))
+    assert found.doubt_m(1, 0, -1, 4.0) == pytest.approx(np.hypot(0.3, 0.6))
 
 
 def test_a_wall_that_stays_leaves_its_doubt_to_no_other_wall_of_its_line():

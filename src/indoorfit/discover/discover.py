@@ -11,9 +11,9 @@ from .labelling import LabelConfig, price_of_one
 from .level_task import LevelConfig
 from .oblique import oblique_lines
 from .overrides import PlanOverrides
-from .planning import find_plan
+from .planning import Plan, find_plan
 from .rooms import RoomConfig, build_shape
-from .surfaces import find_surfaces
+from .surfaces import Surfaces, find_surfaces
 from .world import WorldConfig, square_classes, world_notes
 
 _NO_OVERRIDES = PlanOverrides()
@@ -65,12 +65,8 @@ def discover(
         ConfigError: an override that cannot be meant.
     """
     classes = square_classes(segments, classes, config.world)
-    surfaces = find_surfaces(surfels, segments, classes)
-    seen_m2 = surfels.area_m2 * len(surfels.positions_m)
-    oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
-    settings = (config.candidates, config.labels, config.rooms)
-    plan = find_plan(surfaces, oblique, seen_m2, *settings, overrides, rays)
-    price = price_of_one(seen_m2, config.labels)
+    surfaces, plan = planned(surfels, segments, classes, config, overrides, rays)
+    price = price_of_one(_seen_m2(surfels), config.labels)
     shape, notes = build_shape(
         plan.outline, plan.cuts, surfaces, plan.candidates, config.labels, price, config.levels
     )
@@ -78,3 +74,23 @@ def discover(
     made = {shape.planes[k].offset_m for k in shape.oblique}
     modelled = np.array([k for cut in plan.cuts if cut.offset_m in made for k in cut.line.segments], int)
     return shape, (*world_notes(segments, classes, config.world, modelled), *plan.notes, *notes)
+
+
+def planned(
+    surfels: Surfels,
+    segments: Segments,
+    classes: tuple[FaceClass | None, ...],
+    config: DiscoverConfig,
+    overrides: PlanOverrides,
+    rays: Rays | None,
+) -> tuple[Surfaces, Plan]:
+    """The sorted evidence and the plan; arguments and errors as for `discover`, but square classes."""
+    surfaces = find_surfaces(surfels, segments, classes)
+    oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
+    settings = (config.candidates, config.labels, config.rooms)
+    return surfaces, find_plan(surfaces, oblique, _seen_m2(surfels), *settings, overrides, rays)
+
+
+def _seen_m2(surfels: Surfels) -> float:
+    """Area of all surfaces that were seen."""
+    return surfels.area_m2 * len(surfels.positions_m)

@@ -9,15 +9,13 @@ from jaxtyping import Bool, Float, Int, Shaped
 from indoorfit.model import FaceClass, Note, Rays, Segments, Surfels
 
 from .cuts import Trial
-from .discover import DiscoverConfig
+from .discover import DiscoverConfig, planned
 from .evidence import Evidence
 from .labelling import cell_costs, plan_energy
 from .level_task import Grid
 from .minimise import PlanEnergy, minimise
-from .oblique import oblique_lines
 from .overrides import PlanOverrides, outlines
-from .planning import Plan, find_plan
-from .surfaces import find_surfaces
+from .planning import Plan
 from .world import square_classes
 
 Verdict = Literal["accepted", "refused", "forbidden"]
@@ -123,11 +121,7 @@ def explain(
         ConfigError: an override that cannot be meant.
     """
     classes = square_classes(segments, classes, config.world)
-    surfaces = find_surfaces(surfels, segments, classes)
-    seen_m2 = surfels.area_m2 * len(surfels.positions_m)
-    oblique = oblique_lines(surfels, segments, classes, surfaces, config.candidates.merge_m, config.world)
-    settings = (config.candidates, config.labels, config.rooms)
-    plan = find_plan(surfaces, oblique, seen_m2, *settings, overrides, rays)
+    surfaces, plan = planned(surfels, segments, classes, config, overrides, rays)
     energy = plan_energy(plan.evidence, plan.grid, plan.price, config.labels, plan.forbidden)
     odds = -cell_costs(plan.evidence, np.outer(*(np.diff(line) for line in plan.grid)), config.labels)
     candidates = tuple(
@@ -168,7 +162,9 @@ def _report(
     )
     strongest = int(np.argmin(costs))
     accepted = bool(np.any(ends))
-    verdict: Verdict = "accepted" if accepted else "forbidden" if np.any(forbidden) else "refused"
+    # Where more wall was seen on the rest of a line than a person struck out, it is judged by that.
+    struck_out = float(np.sum(lengths_m[forbidden])) > float(np.sum(walls * lengths_m))
+    verdict: Verdict = "accepted" if accepted else "forbidden" if struck_out else "refused"
     outline_m = float(np.sum(lengths_m[ends]))
     drawn = np.flatnonzero(ends) if accepted else np.array([strongest])
     report = CandidateReport(

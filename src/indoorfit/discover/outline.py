@@ -58,9 +58,10 @@ class Outline:
     moved: tuple[tuple[Wall, Place], ...] = ()
     """The walls that nobody saw, on the grid before, and where they are now; some could not be moved."""
 
-    def doubt_m(self, axis: int, offset_m: float) -> float:
-        """Standard uncertainty of the walls at a place, as far as it is a guess."""
-        found = [p.std_m for wall, p in self.moved if wall.axis == axis and p.offset_m == offset_m]
+    def doubt_m(self, room: int, axis: int, outward: int, offset_m: float) -> float:
+        """Standard uncertainty of a room's walls at a place, as far as it is a guess."""
+        own = (room, axis, outward, offset_m)
+        found = [p.std_m for w, p in self.moved if (w.room, w.axis, w.outward, p.offset_m) == own]
         return max(found, default=0.0)
 
 

@@ -22,10 +22,14 @@ def placed(shape: Shape, surfaces: Surfaces, outline: Outline) -> Shape:
         surfaces: sorted evidence.
         outline: of the plan, with the walls whose places are guessed: these stay, with their doubt.
     """
-    planes = [
-        _place(plane, exposure, surfaces, reach_m, outline)
-        for plane, exposure, reach_m in zip(shape.planes, exposures(shape), _reaches(shape), strict=True)
-    ]
+    homes, number = room_of_planes(shape), {room.id: k for k, room in enumerate(shape.rooms)}
+    planes = []
+    for exposure, reach_m in zip(exposures(shape), _reaches(shape), strict=True):
+        plane, doubt_m = shape.planes[exposure.plane], 0.0
+        if exposure.plane in homes:
+            room = number[homes[exposure.plane]]
+            doubt_m = outline.doubt_m(room, plane.axis, plane.outward, plane.offset_m)
+        planes.append(_place(plane, exposure, surfaces, reach_m, doubt_m))
     return replace(shape, planes=tuple(planes))
 
 
@@ -54,12 +58,15 @@ def _reaches(shape: Shape) -> list[tuple[float, float]]:
 
 
 def _place(
-    plane: Plane, exposure: Exposure, surfaces: Surfaces, reach_m: tuple[float, float], outline: Outline
+    plane: Plane, exposure: Exposure, surfaces: Surfaces, reach_m: tuple[float, float], doubt_m: float
 ) -> Plane:
-    """One plane; `reach_m` is how far below and above its line surfels may be its own."""
+    """One plane; `reach_m` is how far below and above its line surfels may be its own.
+
+    With a doubt its place is a guess.
+    """
     if plane.oblique:
         return plane
-    if (doubt_m := outline.doubt_m(plane.axis, plane.offset_m)) > 0.0:
+    if doubt_m > 0.0:
         return replace(plane, status="inferred", doubt_m=doubt_m)
     level_m = surfaces.walls_m[plane.axis] if plane.axis < 2 else surfaces.ceiling_m
     if plane.axis == 2 and plane.outward < 0:

@@ -51,7 +51,8 @@ oblique wall from the others."""
 def with_inferred(cells: Cells, shape: Shape, inferred_std_m: float) -> Cells:
     """Add one cell for every parameter that no point fixed: what discovery knows of it, and how well.
 
-    An inferred wall stands where floor and ceiling end; that is one observation of its position.
+    An inferred wall stands where floor and ceiling end, or in the middle of a shadow, in which case it has a
+    doubt of its own; that is one observation of its position.
 
     Args:
         cells: of the observed planes.

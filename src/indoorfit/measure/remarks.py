@@ -1,13 +1,22 @@
 """What a reader of the dimensions must know about the faces behind them."""
 
+from collections.abc import Collection
+
 from indoorfit.model import Note, Shape
 
 from .named import NamedFace, Survey
 
 
-def face_notes(shape: Shape, found: Survey) -> tuple[Note, ...]:
-    """One note naming the faces that nobody saw."""
-    inferred = [face for face in found.faces if face.status == "inferred"]
+def face_notes(shape: Shape, found: Survey, put_back: Collection[int]) -> tuple[Note, ...]:
+    """One note naming the faces that nobody saw.
+
+    Args:
+        shape: that was surveyed.
+        found: its survey.
+        put_back: planes that count as not observed for another reason, which a note of its own tells.
+    """
+    unseen = [face for face in found.faces if face.status == "inferred"]
+    inferred = [face for face in unseen if face.polygon.plane not in put_back]
     if not inferred:
         return ()
     names = ", ".join(face.id for face in inferred)

@@ -215,7 +215,7 @@ def _measure(
                 *notes,
                 *fitted.notes,
                 *belief.notes,
-                *face_notes(shape, found),
+                *face_notes(shape, found, fitted.put_back),
                 *doubts,
                 *fit_doubts(closed, fitted.converged, fitted.swing_m, own_m, found),
                 *put_back_notes(fitted.put_back, found),
