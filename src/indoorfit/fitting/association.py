@@ -23,6 +23,9 @@ class AssociationConfig:
     """Noisier planes reach as far as this many standard deviations, at most `max_reach_m`."""
     max_reach_m: float = 0.25
     """Beyond it are doors, shelves and the next wall."""
+    frame_reach_m: float = 0.03
+    """The same once the frames' slips are taken out, half of what tells two walls apart: what is left is
+    noise, some millimetres of slips and how uneven walls may be (DIN 18202: 10 mm over 4 m)."""
     edge_m: float = 0.05
     """Distance kept from a face's edges, where the neighbouring wall, skirting and cornice are."""
     patch_m: float = 0.7

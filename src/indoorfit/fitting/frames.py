@@ -1,5 +1,7 @@
 """Cells per frame, for scans that keep the frame of every point."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -25,7 +27,9 @@ def cells_by_frame(
 
     Twice: a frame that is off by centimetres brings points of one wall to the place of another, and takes
     others out of its wall's reach. So the slips of a first fit are taken out before points choose their
-    planes; what is summarised are the points as they were measured.
+    planes, and a plane then reaches no farther than it must: a window's pane is a few centimetres behind the
+    wall, and in a scan that is off by as much only the frames' slips tell the two apart. What is summarised
+    are the points as they were measured.
 
     Args:
         scan: with `frame_ids`, in the order in which the frames were taken.
@@ -60,7 +64,7 @@ def cells_by_frame(
         motions.apply(points_m, index),
         index,
         shape.with_parameters(shape.parameters + step[3:]),
-        config,
+        replace(config, reach_m=config.frame_reach_m),
         pixel_m,
         None if sight is None else sight.moved(motions),
         points_m,

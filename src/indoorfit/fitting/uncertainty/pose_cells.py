@@ -32,8 +32,8 @@ class PoseLayout:
     patches: tuple[Int[np.ndarray, " _"], ...]
     """For every plane the patches on it."""
     patch_distances_m: tuple[Float[np.ndarray, "_ _"], ...]
-    patch_leans: tuple[Float[np.ndarray, "_ _"], ...]
-    """For every plane what walls that lean and bow share between two patches, see `_leans`."""
+    shapes: Float[np.ndarray, "cells shapes"]
+    """How much each wall's leaning and bowing moves each cell, see `_shapes`."""
     seen: Bool[np.ndarray, " params"]
     precision: Float[np.ndarray, " seen"]
 
@@ -48,7 +48,7 @@ class PoseLinear:
     """The model at one linearisation point; theta and the slips count in full, not as steps."""
 
     columns: sparse.csr_matrix
-    """cells x (theta, patches, target)."""
+    """cells x (theta, patches, shapes, target)."""
     slip_rows: Float[np.ndarray, "cells 6"]
     """B: d y / d u of the cell's own frame."""
     slip_matrix: sparse.csr_matrix
@@ -74,23 +74,44 @@ def build_layout(cells: Cells, patch_m: float) -> PoseLayout:
     centres /= weight[:, None]
     patches = tuple(np.flatnonzero(keys[:, 0] == plane) for plane in np.unique(keys[:, 0]))
     distances = tuple(np.linalg.norm(centres[m][:, None] - centres[m][None], axis=2) for m in patches)
-    leans = tuple(_leans(centres[m]) for m in patches)
     seen = cells.seen
     return PoseLayout(
-        cells, frame, frame_ids, pivots, patch, patches, distances, leans, seen, ridge(cells.n_params)[seen]
+        cells,
+        frame,
+        frame_ids,
+        pivots,
+        patch,
+        patches,
+        distances,
+        _shapes(cells),
+        seen,
+        ridge(cells.n_params)[seen],
     )
 
 
-def _leans(centres_m: Float[np.ndarray, "members 3"]) -> Float[np.ndarray, "members members"]:
-    """Covariance of the largest shapes of one wall: out of plumb, skew, bowed; 1 at the ends of the wall."""
-    places = centres_m - 0.5 * (centres_m.max(axis=0) + centres_m.min(axis=0))
-    places /= max(float(np.abs(places).max()), _SHORTEST_LEAN_M)
-    tilt = places @ places.T
-    square = np.sum(places**2, axis=1)
-    square -= square.mean()
-    return tilt + np.outer(square, square)
+def _shapes(cells: Cells) -> Float[np.ndarray, "cells shapes"]:
+    """The largest shapes of every wall: out of plumb, skew and bowed either way; 1 at the ends of the wall.
+
+    At the place of each cell: near the sensor cells are good to a tenth of a millimetre, and a wall that is
+    out of plumb by a millimetre is not one height over a patch of a metre. Taken as such it would contradict
+    itself, and the likelihood would give most of the leaning to the frames.
+    """
+    planes = np.unique(cells.plane)
+    shapes = np.zeros((len(cells.plane), _SHAPES * len(planes)))
+    for k, plane in enumerate(planes):
+        own = cells.plane == plane
+        axis = cells.axes[own][0]
+        places = np.delete(cells.centroids_m[own], axis, axis=1)
+        places -= 0.5 * (places.max(axis=0) + places.min(axis=0))
+        places /= max(float(np.abs(places).max()), _SHORTEST_LEAN_M)
+        # The mean of a square over the wall is zero, so that bows move no mean plane.
+        bows = places**2 - places.max(axis=0) ** 2 / 3.0
+        shapes[own, _SHAPES * k : _SHAPES * (k + 1)] = np.hstack([places, bows])
+    return shapes
 
 
+_SHAPES = 4
+"""Of each wall."""
 _SHORTEST_LEAN_M = 1.0
 """Half of a wall's height: a narrow wall leans over its height."""
 
@@ -120,7 +141,8 @@ def linearise(
     # y such that y = A theta + B u holds in full at the linearisation point.
     residual = points[rows, axis] - offset
     target = residual + np.sum(slip_rows * slip, axis=1) + theta[:, :ROTATIONS] @ step[:ROTATIONS]
-    dense = np.hstack([theta[:, layout.seen], np.eye(layout.n_patches)[layout.patch], target[:, None]])
+    patches = np.eye(layout.n_patches)[layout.patch]
+    dense = np.hstack([theta[:, layout.seen], patches, layout.shapes, target[:, None]])
     index = SLIP * layout.frame[:, None] + np.arange(SLIP)
     shape = (SLIP * len(layout.frame_ids), len(rows))
     slip_matrix = sparse.csr_matrix((slip_rows.ravel(), (index.ravel(), np.repeat(rows, SLIP))), shape=shape)

@@ -1,8 +1,8 @@
-"""Restricted likelihood of the pose model, with theta, all slips and all patches integrated analytically.
+"""Restricted likelihood of the pose model, with theta, slips and the walls' shapes integrated analytically.
 
 The slips follow an Ornstein-Uhlenbeck process plus white noise over the frame index. The white part is
-eliminated frame by frame (6 x 6); the rest is a Markov chain, so its precision has seven diagonals; theta and
-the patches form the border. One evaluation costs milliseconds where the dense matrix would cost tens.
+eliminated frame by frame (6 x 6); the rest is a Markov chain, so its precision has seven diagonals; theta,
+patches and shapes form the border. One evaluation costs milliseconds where the dense matrix would cost tens.
 """
 
 from dataclasses import dataclass
@@ -46,10 +46,9 @@ def patch_precisions(
     """Inverse prior covariance of the patches, plane by plane, and the log determinant of the covariance."""
     variance, lean = np.exp(2 * phi[[LOG_WALL, LOG_LEAN]])
     inverses, log_det = [], 0.0
-    parts = zip(layout.patches, layout.patch_distances_m, layout.patch_leans, strict=True)
-    for members, distance, shape in parts:
+    for members, distance in zip(layout.patches, layout.patch_distances_m, strict=True):
         scaled = np.sqrt(3) * distance / MATERN_LENGTH_M
-        covariance = variance * (1 + scaled) * np.exp(-scaled) + lean * shape + kappa * (variance + lean)
+        covariance = variance * (1 + scaled) * np.exp(-scaled) + kappa * (variance + lean)
         covariance.flat[:: len(members) + 1] += variance * PATCH_NUGGET + robust.inflation_m2[members]
         inverses.append(np.linalg.inv(covariance))
         log_det += float(np.linalg.slogdet(covariance)[1])
@@ -61,7 +60,7 @@ class Elimination:
     """The slips taken out of the normal equations, and what it takes to get them back."""
 
     normal: Float[np.ndarray, "bordered bordered"]
-    """Of (theta, patches, target) given the data alone, slips integrated; no prior on the patches yet."""
+    """Of (theta, patches, shapes, target) given the data alone, slips integrated; no prior on walls yet."""
     log_det: float
     gain: Float[np.ndarray, "frames 6 6"]
     """Covariance of the white part given everything else: K."""
@@ -82,7 +81,7 @@ class PoseState:
 
     log_likelihood: float
     border: Float[np.ndarray, " border"]
-    """Posterior mean of (theta, patches)."""
+    """Posterior mean of (theta, patches, shapes)."""
     border_covariance: Float[np.ndarray, "border border"]
     slips: Float[np.ndarray, "frames 6"]
     """Posterior mean of every frame's slip."""
@@ -114,8 +113,10 @@ def evaluate_pose(
         slips = _eliminate_slips(layout, linear, variances, robust.slip_inflation, phi)
     precisions, patch_log_det = patch_precisions(layout, phi, kappa, robust)
     theta, size = len(layout.precision), len(slips.normal)
+    shapes, n_shapes = theta + layout.n_patches, layout.shapes.shape[1]
     system = slips.normal[:-1, :-1].copy()
     system.flat[: theta * size : size] += layout.precision
+    system.flat[shapes * size :: size] += np.exp(-2 * phi[LOG_LEAN])
     for members, precision in zip(layout.patches, precisions, strict=True):
         system[np.ix_(theta + members, theta + members)] += precision
     factor = np.linalg.cholesky(system)
@@ -124,6 +125,7 @@ def evaluate_pose(
     mean = covariance @ slips.normal[:-1, -1]
     quadratic = float(slips.normal[-1, -1] - slips.normal[:-1, -1] @ mean)
     log_det = slips.log_det + float(np.sum(np.log(variances))) + patch_log_det
+    log_det += 2.0 * n_shapes * float(phi[LOG_LEAN])
     log_det += 2.0 * float(np.sum(np.log(np.diagonal(factor))))
     value = -0.5 * (log_det + quadratic)
     return PoseState(value, mean, covariance, _slip_means(slips, mean), variances, precisions, slips)
