@@ -12,7 +12,7 @@ from PIL import Image
 from indoorfit import pipeline
 from indoorfit.io import SCHEMA_PATH, write_ply
 from indoorfit.model import Scan
-from indoorfit.pipeline import fit as pipeline_fit
+from indoorfit.pipeline import surveying
 from synthetic import virtual
 
 
@@ -164,8 +164,8 @@ def test_a_fit_that_did_not_converge_is_written_and_ends_with_3(run_cli, room_pl
 
 
 def test_a_room_that_does_not_close_is_written_and_ends_with_3(run_cli, room_ply, tmp_path, monkeypatch):
-    closed = pipeline_fit.subtract_cubes
-    monkeypatch.setattr(pipeline_fit, "subtract_cubes", lambda *a: replace(closed(*a), is_closed=False))
+    closed = surveying.subtract_cubes
+    monkeypatch.setattr(surveying, "subtract_cubes", lambda *a: replace(closed(*a), is_closed=False))
     outcome = run_cli("fit", room_ply, "--out", tmp_path / "out")
     assert outcome.code == 3
     assert "NOT_CLOSED" in outcome.out + outcome.err

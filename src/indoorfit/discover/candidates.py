@@ -187,19 +187,18 @@ def _pieces(
 def _modes(across_m: Float[np.ndarray, " n"], merge_m: float) -> Float[np.ndarray, " modes"]:
     """Positions where the surfels crowd: one, unless a deep valley parts two crowds.
 
-    A second mode needs a fifth of the first's height and a valley of less than half its own height; the
-    flank of a noisy wall has neither.
+    A second mode needs a valley of less than half its own height, and to stand out of it by more than chance
+    (three standard deviations of a count); the flank of a noisy wall has neither. How high the first one is
+    says nothing: of the two sides of a partition one may have been seen much more.
     """
     bin_m = merge_m / 3.0
     edges = np.arange(across_m.min() - 1.5 * bin_m, across_m.max() + 2.5 * bin_m, bin_m)
     counts = np.convolve(np.histogram(across_m, edges)[0], [0.25, 0.5, 0.25], mode="same")
     found = [int(np.argmax(counts))]
     for k in np.argsort(-counts, kind="stable"):
-        if counts[k] < 0.2 * counts[found[0]]:
-            break
-        valleys = [counts[min(k, f) : max(k, f) + 1].min() for f in found]
+        valley = max(counts[min(k, f) : max(k, f) + 1].min() for f in found)
         far = all(abs(k - f) * bin_m >= merge_m for f in found)
-        if far and max(valleys) < 0.5 * counts[k]:
+        if far and valley < 0.5 * counts[k] and counts[k] - valley > 3.0 * np.sqrt(counts[k]):
             found.append(int(k))
     return edges[found] + 0.5 * bin_m
 
