@@ -55,3 +55,18 @@ def test_planes_without_points_get_one_cell_of_the_given_width(fitted):
     planes = [replace(plane, doubt_m=0.24) for plane in shape.planes]
     guessed = with_inferred(build_cells(fewer, shape), replace(shape, planes=tuple(planes)), 0.07)
     assert guessed.variances_m2[-1] == pytest.approx(0.25**2), "it is off by both"
+
+
+def test_an_oblique_wall_is_no_level_wherever_it_stands(fitted):
+    """Before the middle of the cloud the coordinate along it is small, as the height is under a level's."""
+    shape, _, cells = fitted
+    axes = np.array([plane.axis for plane in shape.planes])[cells.plane]
+    np.testing.assert_array_equal(cells.axes, axes)
+    wall = int(np.flatnonzero(axes < 2)[0])
+    own = cells.plane == cells.plane[wall]
+    normals, design = np.eye(3)[axes], cells.design.copy()
+    normals[own] = np.sqrt([0.5, 0.5, 0.0])
+    design[own, 2] = 0.0
+    turned = replace(cells, normals=normals, design=design)
+    assert np.all(turned.axes[own] < 2)
+    np.testing.assert_array_equal(turned.axes[~own], axes[~own])

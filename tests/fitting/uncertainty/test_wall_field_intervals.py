@@ -17,8 +17,14 @@ from indoorfit.fitting.uncertainty import (
     wall_field_predictive,
 )
 from indoorfit.fitting.uncertainty.field import block_covariance, build_field, evaluate, log_likelihoods
+from indoorfit.fitting.uncertainty.laplace import draw_student_t
 from indoorfit.fitting.uncertainty.location import weighted_map
-from indoorfit.fitting.uncertainty.wall_field import fit_wall_field, gls_predictive, laplace_draws
+from indoorfit.fitting.uncertainty.wall_field import (
+    fit_wall_field,
+    gls_predictive,
+    hyper_bounds,
+    laplace_draws,
+)
 
 CONFIG = WallFieldConfig()
 
@@ -200,6 +206,28 @@ def test_clean_scans_get_intervals_of_at_most_twice_the_point_noise() -> None:
         answer = wall_field_predictive(room.cells, room.contrasts, CONFIG, np.random.default_rng(seed))
         ratios.extend(answer.std / point_noise_floor(room.cells, room.contrasts).std)
     assert np.median(ratios) < 2.0  # the requirement; measured 1.7
+
+
+def test_a_cloud_without_noise_has_finite_weights_whatever_the_seed(room) -> None:
+    exact = replace(
+        room.cells,
+        residuals_m=np.zeros_like(room.cells.residuals_m),
+        variances_m2=np.full_like(room.cells.variances_m2, 1e-14),
+    )
+    config = WallFieldConfig()
+    fit = fit_wall_field(exact, config)
+    low, high = hyper_bounds(config).T
+
+    def none_inside(seed: int) -> bool:
+        points, _ = draw_student_t(fit.mode, config.draws, config.draw_dof, np.random.default_rng(seed))
+        return not np.any(np.all((points >= low) & (points <= high), axis=1))
+
+    unlucky = [seed for seed in range(10_000) if none_inside(seed)]
+    assert unlucky, "the mode lies in a corner of the box"
+    for seed in unlucky[:3]:
+        drawn = laplace_draws(fit, config, np.random.default_rng(seed))
+        assert drawn.weights == pytest.approx([1.0])
+        np.testing.assert_array_equal(drawn.points, fit.mode.point[None])
 
 
 def test_plane_without_cells_leaves_its_dimensions_unmeasured(room) -> None:

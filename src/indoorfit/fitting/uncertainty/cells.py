@@ -56,10 +56,12 @@ class Cells:
 
     @property
     def axes(self) -> Int[np.ndarray, " cells"]:
-        """Axis 0, 1 or 2 that each cell's plane is perpendicular to.
+        """Axis 0, 1 or 2 that each cell's plane is perpendicular to; of oblique walls the nearer of x and y.
 
-        Read from the design: the rotation column is ``e_axis x q``, which vanishes along `axis`.
+        Without normals read from the design: the rotation column is ``e_axis x q``, zero along `axis`.
         """
+        if self.normals is not None:
+            return np.argmax(np.abs(self.normals), axis=1)
         largest = np.zeros((int(self.plane.max(initial=0)) + 1, ROTATIONS))
         np.maximum.at(largest, self.plane, np.abs(self.design[:, :ROTATIONS]))
         return np.argmin(largest, axis=1)[self.plane]

@@ -324,6 +324,9 @@ def laplace_draws(fit: WallFieldFit, config: WallFieldConfig, rng: np.random.Gen
     """Weighted draws of phi from a Student-t around the mode."""
     points, log_density = draw_student_t(fit.mode, config.draws, config.draw_dof, rng)
     log_target = log_posteriors(fit, config, points)
+    if not np.isfinite(log_target).any():
+        # Of a cloud without noise all scales lie at the ends of their ranges, and every draw may lie beyond.
+        return HyperDraws(fit.mode.point[None], np.ones(1))
     return HyperDraws(points, truncated_weights(log_target - log_density))
 
 
