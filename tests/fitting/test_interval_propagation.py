@@ -164,3 +164,16 @@ def test_noise_along_the_line_of_sight_counts_for_both_faces_of_a_length_and_not
             step = np.zeros(len(axes))
             step[pair[0]], step[pair[1]] = -1.0, 1.0
             assert step @ covariance_m2 @ step == pytest.approx(2.0 / 3.0 * mean_m**2, rel=1e-9)
+
+
+def test_standard_uncertainty_is_one_number_where_two_models_contradict_each_other(fitted):
+    values = rows(fitted, (2, 3)) @ fitted.shape.offsets_m
+    belief = belief_of(fitted, np.random.default_rng(0))
+    means = belief.wall.means.copy()
+    means[:, 3 + 3] += 0.03
+    torn = replace(belief, pose=replace(belief.wall, means=means), torn=True)
+    found = [MeasurandPrediction(torn, values, rows(fitted, (2, 3))).at(level) for level in (0.5, 0.8, 0.99)]
+    for other in found[1:]:
+        np.testing.assert_array_equal(other.std, found[0].std)
+    # A uniform distribution over 3 cm at least, and over little more.
+    assert 0.03 / np.sqrt(12.0) < float(found[0].std[0]) < 0.04 / np.sqrt(12.0)

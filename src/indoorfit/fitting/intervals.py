@@ -11,6 +11,9 @@ from .belief import Belief
 from .uncertainty import TypeB, expand_ends
 from .uncertainty.cells import ROTATIONS
 
+_HULL = 0.95
+"""Level of the intervals whose hull tells the standard uncertainty where two models contradict each other."""
+
 
 @dataclass(frozen=True)
 class MeasurandPrediction:
@@ -88,8 +91,9 @@ class MeasurandPrediction:
             dof = np.minimum(dof, pose.variance_dof)
             if belief.torn:
                 low, high = np.minimum(low, pose_low), np.maximum(high, pose_high)
-                # A uniform distribution over the hull.
-                std = np.maximum(wall.std, (high - low) / np.sqrt(12.0))
+                # A uniform distribution over the hull at 95 %, whatever level is asked for.
+                ends = np.stack([*wall.interval(_HULL), *pose.interval(_HULL)])
+                std = np.maximum(wall.std, np.ptp(ends, axis=0) / np.sqrt(12.0))
                 parts = (std, low, high, wall.mean)
             else:
                 share = belief.wall_share
