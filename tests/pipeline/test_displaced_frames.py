@@ -8,8 +8,10 @@ from benchmarks import displaced_face
 
 from indoorfit import RunConfig
 from indoorfit.evaluate import compare
-from indoorfit.fitting import register
+from indoorfit.fitting import AssociationConfig, register
+from indoorfit.fitting.association import claims
 from indoorfit.pipeline import fit_scan, truth_result
+from indoorfit.pipeline.outputs import as_fitted
 from indoorfit.texture import TextureConfig
 
 SEED = 40_001
@@ -52,6 +54,18 @@ def test_the_registered_scan_has_its_frames_where_the_sensor_was(case, result):
     }
     # Some of them share no place with the others.
     assert np.mean(left_m[far] < 0.05) > 0.8
+
+
+def test_reports_speak_of_the_points_that_were_fitted(case, result):
+    def share_of_fitted(scan) -> float:
+        found = claims(result.frame.to_manhattan(scan.points_m), result.shape, AssociationConfig())
+        fitted = np.zeros(len(result.shape.planes))
+        np.add.at(fitted, [face.plane for face in result.faces], [face.n_points for face in result.faces])
+        return min(len(own) / n for (own, _), n in zip(found, fitted, strict=True) if n > 100)
+
+    assert share_of_fitted(as_fitted(case.virtual.scan, result)) > 0.9
+    # Where they were registered, the points of a wall are not on it.
+    assert share_of_fitted(case.virtual.scan) < 0.8
 
 
 def test_without_frame_ids_nothing_is_moved(case):

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from indoorfit.config import RunConfig
+from indoorfit.config import RunConfig, config_to_dict
 from indoorfit.errors import OutputError
 from indoorfit.fitting import AssociationConfig
 from indoorfit.io import SCHEMA_PATH, read_model_json
+from indoorfit.model import IgnoredBox, OverrideConfig
 from indoorfit.pipeline import fit_scan, outputs, write_outputs
 from indoorfit.report import residuals_of
 from synthetic import virtual
@@ -138,3 +139,16 @@ def test_the_report_speaks_of_the_points_that_the_fit_used(tmp_path):
     assert used < 0.9 * more
     write_outputs(result, tmp_path / "out", scan, overwrite=False)
     assert f"Distances of {used} points" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+
+
+def test_what_was_ignored_is_in_no_picture(fitted):
+    scan, result = fitted
+    middle_m = scan.points_m.mean(axis=0)
+    box = IgnoredBox(tuple(middle_m.tolist()), tuple(scan.points_m.max(axis=0).tolist()))
+    config = RunConfig(overrides=OverrideConfig(ignore_box=(box,)))
+    told = replace(result, provenance={**result.provenance, "config": config_to_dict(config)})
+    kept_m = outputs.as_fitted(scan, told).points_m
+    inside = np.all((scan.points_m >= box.low_m) & (scan.points_m <= box.high_m), axis=1)
+    assert inside.any()
+    np.testing.assert_array_equal(kept_m, scan.points_m[~inside])
+    np.testing.assert_array_equal(outputs.as_fitted(scan, result).points_m, scan.points_m)

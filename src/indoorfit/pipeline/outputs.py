@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from indoorfit.config import config_from_dict
+from indoorfit.config import RunConfig, config_from_dict
 from indoorfit.export import write_dimensions_csv, write_glb, write_images, write_obj, write_vrml
 from indoorfit.files import FormatName, atomic_directory
-from indoorfit.fitting import AssociationConfig
+from indoorfit.fitting import AssociationConfig, register
 from indoorfit.io import write_model_json
 from indoorfit.model import FitResult, Scan
 from indoorfit.report import (
@@ -20,6 +20,7 @@ from indoorfit.report import (
 )
 
 from .formats import FORMATS
+from .overriding import without_boxes
 
 
 def write_outputs(
@@ -45,7 +46,7 @@ def write_outputs(
         OutputError: the directory exists without `overwrite`, or cannot be written, or a library that a
             format needs is not installed.
     """
-    points_m = None if scan is None else scan.points_m
+    points_m = None if scan is None else as_fitted(scan, result).points_m
     with atomic_directory(directory, overwrite=overwrite) as out:
         write_model_json(out / "model.json", result)
         write_images(out, result)
@@ -69,6 +70,26 @@ def write_outputs(
                 FORMATS[name].write(target, result, None)
 
 
+def as_fitted(scan: Scan, result: FitResult) -> Scan:
+    """The scan as its model speaks of it: without what was ignored, displaced frames where they belong.
+
+    Of those frames the slips are taken out, too: some millimetres.
+
+    Args:
+        scan: that was given to the fit.
+        result: of the fit.
+    """
+    said = _config(result).overrides
+    if said.ignore_box:
+        scan = without_boxes(scan, said)
+    displaced = [motion for motion in result.registration if motion.displaced]
+    return scan if scan.frame_ids is None or not displaced else register(scan, displaced)
+
+
 def _association(result: FitResult) -> AssociationConfig:
     """Which points the fit let its planes claim: the report speaks of the same."""
-    return config_from_dict(dict(result.provenance.get("config", {}))).joint.association
+    return _config(result).joint.association
+
+
+def _config(result: FitResult) -> RunConfig:
+    return config_from_dict(dict(result.provenance.get("config", {})))

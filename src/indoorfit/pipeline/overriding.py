@@ -35,7 +35,8 @@ def overridden(scan: Scan, config: RunConfig) -> tuple[Scan, RunConfig]:
     if said.yaw_deg is not None:
         told.append(f"the walls are turned by {said.yaw_deg:g} degrees")
     if said.ignore_box:
-        scan, count = _without_boxes(scan, said)
+        smaller = without_boxes(scan, said)
+        count, scan = scan.n_points - smaller.n_points, smaller
         told.append(f"{count} points in {len(said.ignore_box)} box(es) ignored")
     if told:
         note = Note("OVERRIDDEN", f"By override, {'; '.join(told)}.")
@@ -43,7 +44,12 @@ def overridden(scan: Scan, config: RunConfig) -> tuple[Scan, RunConfig]:
     return scan, config
 
 
-def _without_boxes(scan: Scan, said: OverrideConfig) -> tuple[Scan, int]:
+def without_boxes(scan: Scan, said: OverrideConfig) -> Scan:
+    """The scan without the points that are to be ignored.
+
+    Raises:
+        ConfigError: a box holds no point, or the boxes hold all of them.
+    """
     dropped = np.zeros(scan.n_points, bool)
     for k, box in enumerate(said.ignore_box):
         inside = np.all((scan.points_m >= box.low_m) & (scan.points_m <= box.high_m), axis=1)
@@ -58,13 +64,12 @@ def _without_boxes(scan: Scan, said: OverrideConfig) -> tuple[Scan, int]:
     if np.all(dropped):
         raise ConfigError("overrides.ignore_box: the boxes hold every point. Fix: make them smaller.")
     kept = ~dropped
-    smaller = replace(
+    return replace(
         scan,
         points_m=scan.points_m[kept],
         colours=None if scan.colours is None else scan.colours[kept],
         frame_ids=None if scan.frame_ids is None else scan.frame_ids[kept],
     )
-    return smaller, int(dropped.sum())
 
 
 def plan_overrides(said: OverrideConfig, frame: Frame) -> PlanOverrides:
