@@ -184,6 +184,19 @@ def test_two_rooms_are_numbered_on():
         assert {face.room for face in found.faces if face.id in dimension.faces} == {dimension.room}
 
 
+def test_faces_in_line_of_which_none_was_seen_are_named_as_others_are():
+    shape = room_shape("U")
+    found = survey_of(shape)
+    planes = [face.polygon.plane for face in found.faces]
+    faces = [
+        replace(face, status="inferred") if planes.count(face.polygon.plane) > 1 else face
+        for face in found.faces
+    ]
+    (note,) = face_notes(shape, replace(found, faces=tuple(faces)), ())
+    assert len(note.faces) == 2
+    assert "in line" not in note.message
+
+
 def test_unseen_faces_are_named_in_a_note():
     shape = room_shape("L")
     planes = list(shape.planes)

@@ -139,9 +139,10 @@ def _counted(
             within & (height_m > foot_m + _margin_m(surfaces)) & (height_m < top_m)
         )
         for row, chosen in enumerate((air, air & (height_m > band_m))):
-            # Each ray once a square, however many samples of it lie there.
-            once = np.unique(ray[chosen] * raster.size + square[chosen]) % raster.size
-            counts[row] += np.bincount(once, minlength=raster.size)
+            # Each ray once a square: a square is convex, so its samples of one ray follow each other.
+            ray_here, square_here = ray[chosen], square[chosen]
+            first = (np.diff(ray_here, prepend=-1) != 0) | (np.diff(square_here, prepend=-1) != 0)
+            counts[row] += np.bincount(square_here[first], minlength=raster.size)
         limits.append(limit)
     return counts, np.concatenate(limits)
 

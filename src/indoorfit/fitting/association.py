@@ -1,12 +1,12 @@
 """Which points belong to which plane."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from indoorfit.geometry import MAD_TO_STD, SAME_WALL_M, Exposure, SeenPiece, exposures, pieces
+from indoorfit.geometry import MAD_TO_STD, SAME_WALL_M, Exposure, SeenPiece, exposures, seen_pieces
 from indoorfit.model import Plane, Shape
 
 from .patches import PatchData, Patches, joined, summarise
@@ -93,17 +93,15 @@ def _associate(
     parts: list[Patches] = []
     seen: list[SeenPiece] = []
     n_planes = len(shape.planes)
-    n_points, rms_m, coverage = np.zeros(n_planes, int), np.zeros(n_planes), np.zeros(n_planes)
+    n_points, rms_m = np.zeros(n_planes, int), np.zeros(n_planes)
     claimed_of_planes = claims(points_m, shape, config, sight)
     for exposure, (chosen, claimed) in zip(exposures(shape), claimed_of_planes, strict=True):
         plane = shape.planes[exposure.plane]
         if measured_m is not None:
             claimed = plane.to_own(measured_m[chosen])
         residuals_m = claimed[:, exposure.axis] - plane.offset_m
-        own_pieces = _seen_pieces(claimed, exposure, pixel_m)
-        seen += own_pieces
+        seen += seen_pieces(exposure, claimed, partial(_coverage, pixel_m=pixel_m))
         n_points[exposure.plane] = len(residuals_m)
-        coverage[exposure.plane] = _mean_coverage(own_pieces)
         if len(residuals_m) >= config.min_points:
             rms_m[exposure.plane] = MAD_TO_STD * np.median(np.abs(residuals_m - np.median(residuals_m)))
         frames = None if frame_index is None else frame_index[chosen]
@@ -112,7 +110,7 @@ def _associate(
         side_m = min(patch_m, (exposure.u_m[-1] - exposure.u_m[0]) / _COLUMNS) if plane.oblique else patch_m
         own = summarise(claimed, frames, exposure, plane.offset_m, side_m, config.min_points, coarse_m)
         parts.append(replace(own, means_m=plane.from_own(own.means_m)))
-    return PatchData(joined(parts), n_points, rms_m, coverage, tuple(seen))
+    return PatchData(joined(parts), n_points, rms_m, tuple(seen))
 
 
 def claims(
@@ -236,27 +234,10 @@ def _margin(exposure: Exposure, edge_m: float) -> float:
     return 0.2 * float(min(runs))
 
 
-def _seen_pieces(
-    claimed_m: Float[np.ndarray, "claimed 3"], exposure: Exposure, pixel_m: float
-) -> list[SeenPiece]:
-    """What was seen of each connected part of a plane."""
-    parts, found = pieces(exposure), []
-    for part in parts:
-        own_m = claimed_m if len(parts) == 1 else claimed_m[part.contains(claimed_m)]
-        found.append(SeenPiece(part, len(own_m), _coverage(own_m, part, pixel_m)))
-    return found
-
-
-def _mean_coverage(seen: Sequence[SeenPiece]) -> float:
-    """Of the plane as a whole, by area."""
-    areas_m2 = [piece.part.area_m2 for piece in seen]
-    return float(np.average([piece.coverage for piece in seen], weights=areas_m2)) if any(areas_m2) else 0.0
-
-
-def _coverage(claimed_m: Float[np.ndarray, "claimed 3"], exposure: Exposure, pixel_m: float) -> float:
+def _coverage(exposure: Exposure, claimed_m: Float[np.ndarray, "claimed 3"], pixel_m: float) -> float:
     """Share of the exposed pixels with a point; the edges count as the rest, so full walls reach about 1."""
     area_m2 = exposure.area_m2
-    if len(claimed_m) == 0 or area_m2 == 0.0:
+    if area_m2 == 0.0:
         return 0.0
     first, second = (axis for axis in range(3) if axis != exposure.axis)
     i = np.floor(claimed_m[:, first] / pixel_m).astype(np.int64)

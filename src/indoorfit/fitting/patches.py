@@ -33,10 +33,18 @@ class PatchData:
     """Points claimed by each plane."""
     plane_rms_m: Float[np.ndarray, " planes"]
     """Robust spread of those points about the plane; 0 without points."""
-    coverage: Float[np.ndarray, " planes"]
-    """Share of each plane's exposed area that points were seen on."""
     pieces: tuple[SeenPiece, ...]
-    """The same of every connected part of the planes."""
+    """What was seen of every connected part of the planes."""
+
+    @property
+    def coverage(self) -> Float[np.ndarray, " planes"]:
+        """Share of each plane's exposed area that points were seen on."""
+        area_m2, seen_m2 = np.zeros(len(self.plane_points)), np.zeros(len(self.plane_points))
+        for piece in self.pieces:
+            own_m2 = piece.part.area_m2
+            area_m2[piece.part.plane] += own_m2
+            seen_m2[piece.part.plane] += piece.coverage * own_m2
+        return np.divide(seen_m2, area_m2, out=np.zeros_like(area_m2), where=area_m2 > 0.0)
 
 
 def summarise(

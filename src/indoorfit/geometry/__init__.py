@@ -15,6 +15,7 @@ from .order import passed as passed
 from .order import reverted as reverted
 from .pieces import SeenPiece as SeenPiece
 from .pieces import pieces as pieces
+from .pieces import seen_pieces as seen_pieces
 from .plan import shape_from_plan as shape_from_plan
 from .planar import shared_area as shared_area
 from .planar import union as union

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from indoorfit.geometry import SeenPiece
 from indoorfit.model import RoomSolid, Shape
 
-from .named import NamedFace, Survey
+from .named import NamedFace, Survey, triangles_of
 
 _LEAST_SHARE = 0.02
 """Of a face's area: what lies on less of it may be stray points of a face that was not seen."""
@@ -52,10 +52,8 @@ def by_face(
 
 def _inner_point_m(solid: RoomSolid, face: NamedFace) -> Float[np.ndarray, " 3"]:
     """A place well within a face: the middle of its largest triangle."""
-    corners_m = solid.vertices_m[solid.triangles[face.polygon.triangles]]
-    sides_m = corners_m[:, 1:] - corners_m[:, :1]
-    areas = np.linalg.norm(np.cross(sides_m[:, 0], sides_m[:, 1]), axis=1)
-    return corners_m[int(np.argmax(areas))].mean(axis=0)
+    middles_m, areas_m2 = triangles_of(solid, face.polygon)
+    return middles_m[int(np.argmax(areas_m2))]
 
 
 def with_status(found: Survey, evidence: FaceEvidence) -> Survey:

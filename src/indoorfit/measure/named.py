@@ -73,3 +73,13 @@ def distance(shape: Shape, low: int, high: int) -> Measurand:
     gradient[high] += 1.0
     gradient[low] -= 1.0
     return Measurand(shape.planes[high].offset_m - shape.planes[low].offset_m, gradient)
+
+
+def triangles_of(
+    solid: RoomSolid, piece: Polygon
+) -> tuple[Float[np.ndarray, "triangles 3"], Float[np.ndarray, " triangles"]]:
+    """Middles and areas of the triangles that make up a face."""
+    corners_m = solid.vertices_m[solid.triangles[piece.triangles]]
+    sides_m = corners_m[:, 1:] - corners_m[:, :1]
+    areas_m2 = 0.5 * np.linalg.norm(np.cross(sides_m[:, 0], sides_m[:, 1]), axis=1)
+    return corners_m.mean(axis=1), areas_m2

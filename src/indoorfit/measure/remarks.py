@@ -25,7 +25,7 @@ def face_notes(shape: Shape, found: Survey, put_back: Collection[int]) -> tuple[
         Note(
             "FACE_INFERRED",
             f"Not observed: {names}. Each is placed where the surfaces around it end"
-            f"{_guesses(shape, guessed)}{_in_line(shape, found)}, and dimensions that rest on it are "
+            f"{_guesses(shape, guessed)}{_in_line(found)}, and dimensions that rest on it are "
             "marked inferred; scan it, or measure it by hand, to be sure.",
             tuple(face.id for face in inferred),
         ),
@@ -40,14 +40,14 @@ def _guesses(shape: Shape, guessed: list[NamedFace]) -> str:
     return f", or in the middle of the shadow that hides it (it may be off: {', '.join(told)})"
 
 
-def _in_line(shape: Shape, found: Survey) -> str:
+def _in_line(found: Survey) -> str:
     """Of the faces whose plane was seen elsewhere, what they are taken to be in line with."""
     told = []
     for face in found.faces:
         plane = face.polygon.plane
-        if face.status == "inferred" and shape.planes[plane].status == "observed":
-            seen = next(f.id for f in found.faces if f.polygon.plane == plane and f.status == "observed")
-            told.append(f"{face.id} with {seen}")
+        seen = [f.id for f in found.faces if f.polygon.plane == plane and f.status == "observed"]
+        if face.status == "inferred" and seen:
+            told.append(f"{face.id} with {seen[0]}")
     if not told:
         return ""
     return f", or taken to be in line with what was seen ({', '.join(told)}; intervals hold if it is)"

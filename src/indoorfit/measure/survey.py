@@ -17,7 +17,7 @@ from indoorfit.model import SIDES, Cube, FaceKind, Polygon, RoomSolid, Shape, Si
 from .clear_lengths import clear_length, swept
 from .level_dimensions import heights, levels
 from .loops import FloorLoop, floor_loops
-from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey, distance
+from .named import Measurand, NamedDimension, NamedFace, NamedRoom, Survey, distance, triangles_of
 from .plan_cells import NOT_ENCLOSED, plan_cells
 
 
@@ -162,10 +162,8 @@ def _walls(
 
 def _middle_m(solid: RoomSolid, piece: Polygon) -> Float[np.ndarray, " 3"]:
     """The centre of a face's area: where steps meet a wall, it is not that of its corners."""
-    corners_m = solid.vertices_m[solid.triangles[piece.triangles]]
-    sides_m = corners_m[:, 1:] - corners_m[:, :1]
-    areas = np.linalg.norm(np.cross(sides_m[:, 0], sides_m[:, 1]), axis=1)
-    return np.average(corners_m.mean(axis=1), axis=0, weights=areas)
+    middles_m, areas_m2 = triangles_of(solid, piece)
+    return np.average(middles_m, axis=0, weights=areas_m2)
 
 
 def _room(

@@ -1,10 +1,12 @@
 """What a virtual scan shows of the true planes, and what of them is not there at all."""
 
+from functools import partial
+
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy import ndimage
 
-from indoorfit.geometry import MAD_TO_STD, Exposure, SeenPiece, exposures, pieces
+from indoorfit.geometry import MAD_TO_STD, Exposure, SeenPiece, exposures, seen_pieces
 
 from .virtual import VirtualScan
 
@@ -37,19 +39,9 @@ def seen_of_planes(virtual: VirtualScan) -> tuple[tuple[SeenPiece, ...], Float[n
         near = _inliers(off_m)
         if near.any():
             rms_m[k] = float(np.sqrt(np.mean(off_m[near] ** 2)))
-        seen += _seen_pieces(exposure, here_m[near], reach_m)
-    return tuple(seen), rms_m
-
-
-def _seen_pieces(
-    exposure: Exposure, points_m: Float[np.ndarray, "points 3"], reach_m: float
-) -> list[SeenPiece]:
-    parts, found = pieces(exposure), []
-    for part in parts:
         # Drift carries points a little over the edge; they still speak for it.
-        own_m = points_m if len(parts) == 1 else points_m[part.contains(points_m, -reach_m)]
-        found.append(SeenPiece(part, len(own_m), _coverage(part, own_m, reach_m) if len(own_m) else 0.0))
-    return found
+        seen += seen_pieces(exposure, here_m[near], partial(_coverage, reach_m=reach_m), -reach_m)
+    return tuple(seen), rms_m
 
 
 def _inliers(off_m: Float[np.ndarray, " points"]) -> Bool[np.ndarray, " points"]:

@@ -96,12 +96,11 @@ def _shapes(cells: Cells) -> Float[np.ndarray, "cells shapes"]:
     out of plumb by a millimetre is not one height over a patch of a metre. Taken as such it would contradict
     itself, and the likelihood would give most of the leaning to the frames.
     """
-    planes = np.unique(cells.plane)
+    planes, axes = np.unique(cells.plane), cells.axes
     shapes = np.zeros((len(cells.plane), _SHAPES * len(planes)))
     for k, plane in enumerate(planes):
         own = cells.plane == plane
-        axis = cells.axes[own][0]
-        places = np.delete(cells.centroids_m[own], axis, axis=1)
+        places = np.delete(cells.centroids_m[own], axes[own][0], axis=1)
         places -= 0.5 * (places.max(axis=0) + places.min(axis=0))
         places /= max(float(np.abs(places).max()), _SHORTEST_LEAN_M)
         # The mean of a square over the wall is zero, so that bows move no mean plane.
